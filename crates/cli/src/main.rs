@@ -1,0 +1,2 @@
+//! The program `fieldstone`.
+fn main() {}

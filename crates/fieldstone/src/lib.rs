@@ -1,0 +1,1 @@
+//! See solids that are defined by functions.

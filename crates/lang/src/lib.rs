@@ -1,0 +1,1 @@
+//! Front ends of Fieldstone: HyperFun, formulas and .vm programs.

@@ -1,0 +1,1 @@
+//! What there is to draw, resolved; cameras, lights, film.

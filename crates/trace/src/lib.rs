@@ -1,0 +1,1 @@
+//! First hits of rays with fields, with a certificate.
