@@ -1,0 +1,107 @@
+//! Errors and warnings with their place in the source.
+
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use std::fmt;
+use std::ops::Range;
+
+/// A named text.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// The file's name as the user gave it, or what stands for it.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+impl Source {
+    /// A named text.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self { name: name.into(), text: text.into() }
+    }
+}
+
+/// How grave a diagnostic is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Severity {
+    /// The model cannot be read.
+    Error,
+    /// The model is read, but perhaps not as meant.
+    Warning,
+}
+
+/// A message about a place in a source.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Diagnostic {
+    /// Error or warning.
+    pub severity: Severity,
+    /// What is wrong, on one line.
+    pub message: String,
+    /// The bytes of the source that it is about.
+    pub span: Range<usize>,
+    /// What stands at the caret: "expected `;`".
+    pub label: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Diagnostic {
+    /// An error at `span`.
+    pub fn error(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Self {
+        Self { severity: Severity::Error, message: message.into(), span, label: label.into(), help: None }
+    }
+
+    /// A warning at `span`.
+    pub fn warning(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Self {
+        Self { severity: Severity::Warning, ..Self::error(span, message, label) }
+    }
+
+    /// Adds what to do about it.
+    pub fn with_help(self, help: impl Into<String>) -> Self {
+        Self { help: Some(help.into()), ..self }
+    }
+
+    /// The message with file, line, column, the source line and carets under it, as plain text.
+    pub fn render(&self, source: &Source) -> String {
+        let level = match self.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let end = floor_char_boundary(&source.text, self.span.end);
+        let start = floor_char_boundary(&source.text, self.span.start.min(end));
+        let annotation = AnnotationKind::Primary.span(start..end).label(self.label.as_str());
+        let snippet = Snippet::source(source.text.as_str()).path(source.name.as_str()).annotation(annotation);
+        let mut group = level.primary_title(self.message.as_str()).element(snippet);
+        if let Some(help) = &self.help {
+            group = group.element(Level::HELP.message(help.as_str()));
+        }
+        Renderer::plain().render(&[group])
+    }
+}
+
+fn floor_char_boundary(text: &str, at: usize) -> usize {
+    let at = at.min(text.len());
+    (0..=at).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
+}
+
+/// The errors of a source that cannot be read, at least one, in the order of the text; warnings may stand among them.
+#[derive(Clone, Debug)]
+pub struct Diagnostics {
+    /// What the messages are about.
+    pub source: Source,
+    /// The messages.
+    pub list: Vec<Diagnostic>,
+}
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, diagnostic) in self.list.iter().enumerate() {
+            if i > 0 {
+                f.write_str("\n\n")?;
+            }
+            f.write_str(&diagnostic.render(&self.source))?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Diagnostics {}
