@@ -56,7 +56,8 @@ type Word<'a> = (&'a str, Range<usize>);
 
 /// The words of the line that starts at byte `start`, without its comment.
 fn words(line: &str, start: usize) -> Vec<Word<'_>> {
-    let code = line.split('#').next().unwrap_or_default();
+    const BYTE_ORDER_MARK: char = '\u{feff}';
+    let code = line.split('#').next().unwrap_or_default().trim_start_matches(BYTE_ORDER_MARK);
     let place = |word: &str| word.as_ptr() as usize - line.as_ptr() as usize + start;
     code.split_whitespace().map(|word| (word, place(word)..place(word) + word.len())).collect()
 }
@@ -138,7 +139,10 @@ impl<'a> Reader<'a> {
             None => Err(unknown_operation(word, word_span.clone())),
         };
         // A line in error still gives its name, so that the lines that read it are not errors too.
-        let known = *node.as_ref().unwrap_or(&self.graph.constant(f64::NAN));
+        let known = match &node {
+            Ok(node) => *node,
+            Err(_) => self.graph.constant(f64::NAN),
+        };
         if self.names.insert(name, known).is_some() {
             let message = format!("`{name}` is given again");
             let warning =

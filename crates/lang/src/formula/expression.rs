@@ -2,7 +2,7 @@
 
 use super::functions::Function;
 use super::lexer::{Token, Word};
-use super::names::{built_in, unknown_name};
+use super::names::built_in;
 use super::parser::Parser;
 use super::tree::{Expr, ExprId, Infix, Power, Prefix};
 use crate::diagnostic::Diagnostic;
@@ -109,7 +109,8 @@ impl Parser<'_> {
         let error = Diagnostic::error(self.span(), message, "expected a number, a name or `(`");
         match (self.token(), self.at.checked_sub(1).map(|before| self.words[before].token)) {
             (Token::Times, Some(Token::Times)) => error.with_help("a power is written `^` or `**`"),
-            (Token::Assign, Some(Token::Less | Token::Greater | Token::Not | Token::Assign)) => {
+            (Token::Assign, Some(Token::Less | Token::Greater | Token::Not | Token::Assign))
+            | (Token::Less | Token::Greater, Some(Token::Assign)) => {
                 error.with_help("comparisons are written `<=`, `>=`, `==` and `!=`")
             }
             (Token::Superscript(_), _) => error.with_help("a power stands after its base: `x²`"),
@@ -154,7 +155,7 @@ impl Parser<'_> {
             return Ok(Expect::Operator);
         }
         if callee.is_none() {
-            self.errors.push(unknown_name(self.text, &self.words, at, &self.defined));
+            self.report_unknown(at);
         }
         let call = GroupKind::Call { callee, name: self.span(), arguments: Vec::new() };
         self.advance();
@@ -296,7 +297,7 @@ impl Parser<'_> {
             let name = &self.text[span.clone()];
             let message = format!("`{name}` takes {}, not {count}", function.argument_count());
             let error = Diagnostic::error(span, message, "wrong number of arguments");
-            self.errors.push(error.with_help(format!("write `{}`", function.usage(name))));
+            self.report(error.with_help(format!("write `{}`", function.usage(name))));
         }
     }
 
@@ -312,18 +313,20 @@ impl Parser<'_> {
         let operand = self.last_operand(pending);
         match pending.groups.last_mut() {
             Some(Group { kind: GroupKind::Call { arguments, .. }, .. }) => arguments.push(operand),
-            _ => {
-                let error = Diagnostic::error(self.span(), "`,` outside of a call", "not expected");
-                let decimal = self.follows_number() && matches!(self.second(), Token::Number(_));
-                return Err(error.with_help(if decimal {
-                    "write a decimal point: `0.5`"
-                } else {
-                    "a definition ends with `;`, and arguments stand in parentheses: `min(a, b)`"
-                }));
-            }
+            _ => return Err(self.comma_outside_of_a_call()),
         }
         self.advance();
         Ok(Expect::Operand)
+    }
+
+    fn comma_outside_of_a_call(&self) -> Diagnostic {
+        let error = Diagnostic::error(self.span(), "`,` outside of a call", "not expected");
+        if !self.follows_number() || !matches!(self.second(), Token::Number(_)) {
+            let help = "a definition ends with `;`, and arguments stand in parentheses: `min(a, b)`";
+            return error.with_help(help);
+        }
+        let text = |at: usize| &self.text[self.words[at].span.clone()];
+        error.with_help(format!("write a decimal point: `{}.{}`", text(self.at - 1), text(self.at + 1)))
     }
 
     fn end_of_expression(&mut self, pending: &mut Pending) -> Result<Expect, Diagnostic> {

@@ -83,7 +83,9 @@ fn help_for_unknown(text: &str, words: &[Word], at: usize, defined: &Defined<'_>
         return format!("move the definition `{name} = …;` above its use");
     }
     if next == Some(Token::Assign) {
-        return format!("to give `{name}` a value, end it with `;`: `{name} = 1;`");
+        return format!(
+            "to give `{name}` a value, write `;` after it, and then the formula: `{name} = 1; …`"
+        );
     }
     if let Some(product) = product(name, defined) {
         return format!("write `{product}`");

@@ -5,6 +5,7 @@ use super::names::{BuiltIn, Defined, built_in, check_definition, unknown_name};
 use super::tree::{Definition, Expr, ExprId, Formula, Infix};
 use crate::diagnostic::{Diagnostic, MAX_ERRORS};
 use fieldstone_field::Binary;
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Reads a formula, or says what is wrong with it.
@@ -17,12 +18,13 @@ pub(super) fn parse(text: &str) -> Result<Formula, Vec<Diagnostic>> {
         exprs: Vec::new(),
         definitions: Vec::new(),
         defined: Defined::new(),
+        unknown: HashSet::new(),
         value: None,
         errors,
     };
     while parser.token() != Token::End && parser.errors.len() < MAX_ERRORS {
         if let Err(error) = parser.statement() {
-            parser.errors.push(error);
+            parser.report(error);
             parser.skip_statement();
         }
     }
@@ -44,7 +46,9 @@ pub(super) struct Parser<'a> {
     definitions: Vec<Definition>,
     pub(super) defined: Defined<'a>,
     value: Option<ExprId>,
-    pub(super) errors: Vec<Diagnostic>,
+    /// The names without a meaning that were reported.
+    unknown: HashSet<&'a str>,
+    errors: Vec<Diagnostic>,
 }
 
 impl<'a> Parser<'a> {
@@ -106,27 +110,28 @@ impl<'a> Parser<'a> {
 
     /// One statement with the `;` after it.
     fn statement(&mut self) -> Result<(), Diagnostic> {
-        let is_let = self.token() == Token::Let;
-        match (is_let, self.token(), self.second()) {
-            (_, Token::Semicolon, _) => {
+        match self.token() {
+            Token::Semicolon => {
                 self.advance();
                 Ok(())
             }
-            (true, _, Token::Name) => {
-                self.advance();
-                if self.second() != Token::Assign {
-                    self.advance();
-                    return Err(self.expected("`=`", "a definition is written `let name = value;`"));
-                }
-                self.named_statement(true)
-            }
-            (true, ..) => {
-                self.advance();
-                Err(self.expected("a name", "a definition is written `let name = value;`"))
-            }
-            (false, Token::Name, Token::Assign) => self.named_statement(false),
+            Token::Let => self.let_statement(),
+            Token::Name if self.second() == Token::Assign => self.named_statement(false),
             _ => self.formula_statement(),
         }
+    }
+
+    fn let_statement(&mut self) -> Result<(), Diagnostic> {
+        const HELP: &str = "a definition is written `let name = value;`";
+        self.advance();
+        if self.token() != Token::Name {
+            return Err(self.expected("a name", HELP));
+        }
+        if self.second() != Token::Assign {
+            self.advance();
+            return Err(self.expected("`=`", HELP));
+        }
+        self.named_statement(true)
     }
 
     fn expected(&self, what: &str, help: &str) -> Diagnostic {
@@ -140,9 +145,9 @@ impl<'a> Parser<'a> {
         self.advance();
         self.advance();
         let value = self.expression();
-        let ends_at =
-            self.words[self.at..].iter().position(|w| matches!(w.token, Token::Semicolon | Token::End));
-        let is_definition = ends_at.is_some_and(|i| self.words[self.at + i].token == Token::Semicolon);
+        let mut rest = self.words[self.at..].iter().map(|word| word.token);
+        let is_definition =
+            rest.find(|t| matches!(t, Token::Semicolon | Token::End)) == Some(Token::Semicolon);
         if is_definition {
             // A value in error still gives the name a meaning, so that its uses are not errors too.
             let (value, error) =
@@ -152,9 +157,8 @@ impl<'a> Parser<'a> {
         }
         let right = value?;
         if is_let {
-            return Err(
-                self.expected("`;`", "a definition is written `let name = value;`, and the formula after it")
-            );
+            let help = "a definition is written `let name = value;`, and the formula after it";
+            return Err(self.expected("`;`", help));
         }
         let left = self.variable(name_at);
         self.equation(left, right, span.start)
@@ -174,7 +178,7 @@ impl<'a> Parser<'a> {
                 self.defined.insert(name, self.definitions.len());
                 self.definitions.push(Definition { name: name.to_owned(), value });
             }
-            Err(error) => self.errors.push(error),
+            Err(error) => self.report(error),
         }
     }
 
@@ -209,20 +213,29 @@ impl<'a> Parser<'a> {
         self.advance();
         if self.value.replace(value).is_some() {
             let error = Diagnostic::error(span, "a second formula", "there is one already");
-            return self.report(error.with_help("a text is one formula; join solids by `min(f, g)`"));
-        }
-        if self.exprs[value.0].is_condition() {
+            self.report(error.with_help("a text is one formula; join solids by `min(f, g)`"));
+        } else if self.exprs[value.0].is_condition() {
             let error =
                 Diagnostic::error(span, "the formula is a condition, not a function", "true or false");
-            return self.report(error.with_help("for the solid where f < g, write `f - g`"));
+            self.report(error.with_help("for the solid where f < g, write `f - g`"));
         }
         Ok(())
     }
 
-    /// Notes an error after which the words make sense still.
-    fn report(&mut self, error: Diagnostic) -> Result<(), Diagnostic> {
-        self.errors.push(error);
-        Ok(())
+    /// Notes an error, unless there are enough of them.
+    pub(super) fn report(&mut self, error: Diagnostic) {
+        if self.errors.len() < MAX_ERRORS {
+            self.errors.push(error);
+        }
+    }
+
+    /// Notes that the name at word `at` means nothing, once for each name.
+    pub(super) fn report_unknown(&mut self, at: usize) {
+        let name = &self.text[self.words[at].span.clone()];
+        if self.errors.len() < MAX_ERRORS && self.unknown.insert(name) {
+            let error = unknown_name(self.text, &self.words, at, &self.defined);
+            self.report(error);
+        }
     }
 
     /// The value of the name at word `at`.
@@ -233,7 +246,7 @@ impl<'a> Parser<'a> {
             (Some(BuiltIn::Constant(value)), _) => Expr::Number(value),
             (None, Some(&number)) => Expr::Defined(number),
             (None, None) => {
-                self.errors.push(unknown_name(self.text, &self.words, at, &self.defined));
+                self.report_unknown(at);
                 Expr::Number(f64::NAN)
             }
         };

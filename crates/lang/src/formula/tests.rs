@@ -1,5 +1,7 @@
 //! What formulas mean, against the same expressions in Rust.
 
+mod errors;
+
 use crate::{FileSign, Model, Source, UpAxis, parse_formula};
 use fieldstone_field::{Bindings, Input};
 use std::f64::consts::{E, PI};
