@@ -1,20 +1,4 @@
 //! The `.vm` text format of libfive and Fidget: one operation a line.
-//!
-//! ```text
-//! # a circle
-//! _0 var-x
-//! _1 square _0
-//! _2 var-y
-//! _3 square _2
-//! _4 add _1 _3
-//! _5 const 1
-//! _6 sub _4 _5
-//! ```
-//!
-//! A line names its result, the operation and the results that it takes. Names are any words without blanks, and the
-//! last line is the value of the program. `const`, `var-x`, `var-y`, `var-z`, `and` and `or` stand beside the
-//! operations of the table ([`Unary`] and [`Binary`], by their names); `var-w` is coordinate 4 and `var-t` the time.
-//! `and` gives its first operand if that is 0 and otherwise the second, `or` the first if it is not 0.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, MAX_ERRORS, Source};
 use crate::model::Model;
@@ -23,10 +7,26 @@ use fieldstone_field::{Binary, Field, Graph, Input, NodeId, Unary};
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Reads a `.vm` program.
+/// Reads a `.vm` program, the text format of libfive and Fidget.
+///
+/// Each line is one operation: the name of its result, the operation, and the results of lines above that it takes.
+/// Names are any words without blanks, `#` begins a comment, and the last line is the value of the program.
+///
+/// `const` takes a number; `var-x`, `var-y`, `var-z`, `var-w` are the coordinates and `var-t` is the time. `and` gives
+/// its first operand if that is 0 and otherwise the second, `or` the first if it is not 0. All other operations are
+/// those of field programs ([`Unary`] and [`Binary`]), by their names.
 ///
 /// The model has the sign f < 0 inside, z up, no parameters, and three coordinates (four if its value depends on
 /// `var-w`). A name that is given again means the later line from there on, with a warning.
+///
+/// ```
+/// use fieldstone_field::Bindings;
+/// use fieldstone_lang::{Source, parse_vm};
+///
+/// let model = parse_vm(&Source::new("slab.vm", "x var-x\nabs abs x\none const 1\nslab sub abs one"))?;
+/// assert_eq!(model.field.at(&[-0.25, 0.0, 0.0], &Bindings::new()), [-0.75]);
+/// # Ok::<(), fieldstone_lang::Diagnostics>(())
+/// ```
 ///
 /// # Errors
 /// Every line that cannot be read, up to a limit; a text without operations.

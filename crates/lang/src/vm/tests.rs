@@ -3,6 +3,9 @@
 use crate::{FileSign, Model, Source, UpAxis, parse_vm};
 use fieldstone_field::{Bindings, Input};
 
+type Unary = fn(f64) -> f64;
+type Binary = fn(f64, f64) -> f64;
+
 fn read(text: &str) -> Model {
     match parse_vm(&Source::new("model.vm", text)) {
         Ok(model) => model,
@@ -36,7 +39,7 @@ fn a_program_is_its_last_line() {
 
 #[test]
 fn operations_of_one_operand() {
-    let cases: [(&str, fn(f64) -> f64); 17] = [
+    let cases: [(&str, Unary); 17] = [
         ("neg", |a| -a),
         ("abs", f64::abs),
         ("square", |a| a * a),
@@ -66,7 +69,7 @@ fn operations_of_one_operand() {
 
 #[test]
 fn operations_of_two_operands() {
-    let cases: [(&str, fn(f64, f64) -> f64); 11] = [
+    let cases: [(&str, Binary); 11] = [
         ("add", |a, b| a + b),
         ("sub", |a, b| a - b),
         ("mul", |a, b| a * b),
