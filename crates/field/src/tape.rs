@@ -161,6 +161,11 @@ impl Tape {
         self.code.instructions.is_empty()
     }
 
+    /// Whether the tape calls a function of which nothing but values is known.
+    pub fn has_black_box(&self) -> bool {
+        self.functions.iter().any(|f| f.is_black_box())
+    }
+
     /// The number of outputs.
     pub fn output_count(&self) -> usize {
         self.code.outputs.len()

@@ -21,17 +21,8 @@ impl Solver {
     /// Starts from the bracket \[near, far\] with values of different sign.
     pub(crate) fn new(near: (f64, f64), far: (f64, f64), tolerance: f64) -> Self {
         let (a, b) = (far, near);
-        let mut solver = Self {
-            a: a.0,
-            fa: a.1,
-            b: b.0,
-            fb: b.1,
-            c: b.0,
-            fc: b.1,
-            trial: 0.0,
-            tolerance,
-            turns: 0,
-        };
+        let mut solver =
+            Self { a: a.0, fa: a.1, b: b.0, fb: b.1, c: b.0, fc: b.1, trial: 0.0, tolerance, turns: 0 };
         // The secant, for a start: brackets are short.
         let fraction = (a.1 / (a.1 - b.1)).clamp(0.0, 1.0);
         solver.trial = solver.place(if fraction.is_nan() { 0.5 } else { fraction });
