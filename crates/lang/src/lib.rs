@@ -4,6 +4,8 @@
 //! and what to do. All deliver fields that are negative inside, whatever the sign of the file.
 
 mod diagnostic;
+#[allow(dead_code)]
+mod hyperfun;
 mod model;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, Source};
