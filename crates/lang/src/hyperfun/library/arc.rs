@@ -44,7 +44,8 @@ fn whole_arc<'g>(p: Vector<'g>, r: Expr<'g>, degrees: Expr<'g>, s: Expr<'g>) -> 
     arc(p, r, degrees.min(180.0), s) + degrees.le(180.0).select(0.0, rest)
 }
 
-/// The convolution of an arc of up to half a turn.
+/// The convolution of an arc of up to half a turn, integrated over its angle, not its length: the C library leaves
+/// out the factor r.
 ///
 /// The quotients of the published form have the common factor X, which makes it singular on the plane X = 0; here it
 /// is cancelled. Their denominators b − aX and b − a(X cos θ + Y sin θ) are 1 + S²r² for the distances from the

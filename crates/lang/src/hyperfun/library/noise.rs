@@ -56,7 +56,7 @@ pub(super) fn turbulence<'g>(call: &mut Call<'g>) -> Outcome<'g> {
     Ok(call.sum(octaves))
 }
 
-static PERLIN: LazyLock<Arc<dyn Function>> = LazyLock::new(|| Arc::new(Perlin::new()));
+pub(super) static PERLIN: LazyLock<Arc<dyn Function>> = LazyLock::new(|| Arc::new(Perlin::new()));
 
 /// The number of cells after which the noise repeats.
 const PERIOD: usize = 256;

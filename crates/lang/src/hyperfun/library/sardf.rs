@@ -56,8 +56,10 @@ fn bulge<'g>(f: Expr<'g>, g: Expr<'g>, r: Expr<'g>) -> Expr<'g> {
     r.le(0.0).select(0.0, bulge)
 }
 
-static EXACT: LazyLock<Arc<dyn Function>> = LazyLock::new(|| Arc::new(Intersection { snaps: false }));
-static SNAPPING: LazyLock<Arc<dyn Function>> = LazyLock::new(|| Arc::new(Intersection { snaps: true }));
+pub(super) static EXACT: LazyLock<Arc<dyn Function>> =
+    LazyLock::new(|| Arc::new(Intersection { snaps: false }));
+pub(super) static SNAPPING: LazyLock<Arc<dyn Function>> =
+    LazyLock::new(|| Arc::new(Intersection { snaps: true }));
 
 /// The SARDF intersection d of x and y with the arguments (x, y, R, α).
 ///

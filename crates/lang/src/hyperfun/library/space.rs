@@ -1,6 +1,7 @@
 //! Mappings of space: they change the point in place, inversely to how the solid moves, and return 1.
 //!
-//! A zero factor of scaling or stretching leaves coordinates that are infinite or undefined, as in C.
+//! A zero factor of scaling or stretching leaves coordinates that are infinite or undefined, as in C, and so do twists
+//! with k₁ = k₂ and a zero range of hfSpaceMapCubic and hfSpaceMapExp.
 
 use super::call::{Call, Failure, Outcome};
 use super::expression::{Expr, Vector};
