@@ -32,19 +32,3 @@ pub(super) fn ellipsoid<'g>(call: &mut Call<'g>) -> Outcome<'g> {
     let axes: [_; 3] = call.reals(2);
     Ok(unless_zero(&axes, x.call(&ELLIPSOID, &[y, z, axes[0], axes[1], axes[2]])))
 }
-
-/// hfSawtooth: the first n − 1 terms of the Fourier series of a sawtooth, (2/πa)(1/2 − Σ sin(2πift)/i).
-pub(super) fn sawtooth<'g>(call: &mut Call<'g>) -> Outcome<'g> {
-    const MOST_TERMS: f64 = 4096.0;
-    let [time, _, amplitude, frequency] = call.reals(0);
-    let count = call.constant(1)?.trunc();
-    if count <= 1.0 {
-        return Ok(call.number(0.0));
-    }
-    if count.is_nan() || count > MOST_TERMS {
-        return Err(format!("`{}` must be at most {MOST_TERMS}, not {count}", call.name(1)).into());
-    }
-    let turn = time * frequency * std::f64::consts::TAU;
-    let waves = (1..count as u32).map(|i| (turn * f64::from(i)).sin() / f64::from(i));
-    Ok(2.0 / (amplitude * std::f64::consts::PI) * (0.5 - call.sum(waves)))
-}

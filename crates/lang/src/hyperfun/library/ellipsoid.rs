@@ -8,12 +8,11 @@ pub(super) static ELLIPSOID: LazyLock<Arc<dyn Function>> = LazyLock::new(|| Arc:
 
 struct EllipsoidDistance;
 
-/// What decides the distance: |p| and the half-axes e, and where the closest point lies.
+/// The signed distance, and the unit normal n ≥ 0 at the closest point, for coordinates y ≥ 0.
 ///
-/// The closest point is e²y/(e² + t) in each coordinate. With the smallest half-axis e₀, σ = 1 + t/e₀² and the
-/// excess d = e²/e₀² − 1 ≥ 0 of each axis, e² + t is e₀²(σ + d), and p is outside where σ > 1.
+/// The closest point is e²y/(e² + t) in each coordinate, e being the half-axes. With the smallest one e₀,
+/// σ = 1 + t/e₀² and the excess d = e²/e₀² − 1 ≥ 0 of each axis, e² + t is e₀²(σ + d); outside, σ > 1.
 struct Closest {
-    point: [f64; 3],
     normal: [f64; 3],
     distance: f64,
 }
@@ -90,9 +89,8 @@ impl Closest {
             return Self::from_the_middle(y, e, &secular);
         }
         let scaled = [0, 1, 2].map(|k| y[k] / (sigma + secular.excesses[k]));
-        let point = [0, 1, 2].map(|k| scaled[k] * (1.0 + secular.excesses[k]));
         let length = length(scaled);
-        Self { point, normal: scaled.map(|n| n / length), distance: (1.0 - sigma) * length }
+        Self { normal: scaled.map(|n| n / length), distance: (1.0 - sigma) * length }
     }
 
     /// For points so close to the middle plane or line, across the shortest axis, that the closest points lie in
@@ -112,7 +110,7 @@ impl Closest {
         let away = [0, 1, 2].map(|k| point[k] - y[k]);
         let gradient = [0, 1, 2].map(|k| point[k] / (e[k] * e[k]));
         let steepness = length(gradient);
-        Self { point, normal: gradient.map(|n| n / steepness), distance: length(away) }
+        Self { normal: gradient.map(|n| n / steepness), distance: length(away) }
     }
 }
 
@@ -123,8 +121,9 @@ fn length(v: [f64; 3]) -> f64 {
 /// The coordinates and the half-axes of a call; their signs do not matter to the distance.
 fn split(arguments: &[f64]) -> Option<([f64; 3], [f64; 3])> {
     let &[x, y, z, a, b, c] = arguments else { return None };
-    let is_solid = arguments.iter().all(|v| v.is_finite()) && a * b * c != 0.0;
-    is_solid.then_some(([x.abs(), y.abs(), z.abs()], [a.abs(), b.abs(), c.abs()]))
+    let is_solid = [a, b, c].iter().all(|axis| axis.is_finite() && *axis != 0.0);
+    let is_point = [x, y, z].iter().all(|coordinate| !coordinate.is_nan());
+    (is_solid && is_point).then_some(([x.abs(), y.abs(), z.abs()], [a.abs(), b.abs(), c.abs()]))
 }
 
 impl Function for EllipsoidDistance {
@@ -133,7 +132,11 @@ impl Function for EllipsoidDistance {
     }
 
     fn value(&self, arguments: &[f64]) -> f64 {
-        split(arguments).map_or(f64::NAN, |(y, e)| Closest::new(y, e).distance)
+        match split(arguments) {
+            Some((y, _)) if y.contains(&f64::INFINITY) => f64::NEG_INFINITY,
+            Some((y, e)) => Closest::new(y, e).distance,
+            None => f64::NAN,
+        }
     }
 
     /// The distance is the minimum over unit normals n ≥ 0 of √Σ(en)² − n·|p|: it falls with each |coordinate| and
@@ -146,8 +149,9 @@ impl Function for EllipsoidDistance {
         if lo.is_nan() || hi.is_nan() {
             return Interval::undefined();
         }
-        let error = ROUNDING * [x, y, z, a, b, c].iter().map(|m| m.1).fold(0.0, f64::max);
-        Interval { lo: lo - error, hi: hi + error }
+        let error =
+            |x: f64, y: f64, z: f64| ROUNDING * [x, y, z, a.1, b.1, c.1].into_iter().fold(0.0, f64::max);
+        Interval { lo: lo - error(x.1, y.1, z.1), hi: hi + error(x.0, y.0, z.0) }
     }
 
     fn is_black_box(&self) -> bool {

@@ -70,7 +70,7 @@ impl<'g> Expr<'g> {
     }
 
     unary_methods!(abs Abs, sqrt Sqrt, square Square, exp Exp, sin Sin, cos Cos, tan Tan, atan Atan);
-    unary_methods!(floor Floor, trunc Trunc, not Not);
+    unary_methods!(floor Floor, trunc Trunc);
     binary_methods!(min Min, max Max, rmin RMin, rmax RMax, pow Pow, modulo Modulo, lt Lt, le Le, eq Eq);
 
     pub(super) fn powi(self, n: usize) -> Self {

@@ -170,7 +170,7 @@ functions! {
     "hfdsub"(R f, R g, R r, R alpha) => sardf::subtraction;
     "hfdblenduni"(R f, R g, R r) => sardf::blend_union;
     "hfdblendint"(R f, R g, R r) => sardf::blend_intersection;
-    "hfsawtooth"(R t, R n, R a, R f) => distance::sawtooth;
+    "hfsawtooth"(R t, R n, R a, R f) => noise::sawtooth;
 
     "hfa_setcolor"(R f, A s, R r, R g, R b) => attributes::set_color;
     "hfa_setattributes"(R f, A s, A s1) => attributes::set_attributes;

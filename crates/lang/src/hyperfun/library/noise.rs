@@ -1,4 +1,4 @@
-//! Noise: Gardner's series of sines, and Perlin's gradient noise.
+//! Noise and waves: Gardner's series of sines, Perlin's gradient noise, and a sawtooth.
 
 use super::call::{Call, Failure, Outcome};
 use super::expression::{Expr, Vector};
@@ -54,6 +54,22 @@ pub(super) fn turbulence<'g>(call: &mut Call<'g>) -> Outcome<'g> {
         frequency /= 2.0;
     }
     Ok(call.sum(octaves))
+}
+
+/// hfSawtooth: the first n − 1 terms of the Fourier series of a sawtooth, (2/πa)(1/2 − Σ sin(2πift)/i).
+pub(super) fn sawtooth<'g>(call: &mut Call<'g>) -> Outcome<'g> {
+    const MOST_TERMS: f64 = 4096.0;
+    let [time, _, amplitude, frequency] = call.reals(0);
+    let count = call.constant(1)?.trunc();
+    if count <= 1.0 {
+        return Ok(call.number(0.0));
+    }
+    if count.is_nan() || count > MOST_TERMS {
+        return Err(format!("`{}` must be at most {MOST_TERMS}, not {count}", call.name(1)).into());
+    }
+    let turn = time * frequency * std::f64::consts::TAU;
+    let waves = (1..count as u32).map(|i| (turn * f64::from(i)).sin() / f64::from(i));
+    Ok(2.0 / (amplitude * std::f64::consts::PI) * (0.5 - call.sum(waves)))
 }
 
 pub(super) static PERLIN: LazyLock<Arc<dyn Function>> = LazyLock::new(|| Arc::new(Perlin::new()));
@@ -142,16 +158,16 @@ impl Function for Perlin {
     }
 
     fn interval(&self, arguments: &[Interval<f64>]) -> Interval<f64> {
-        if arguments.iter().any(|a| !(a.lo.is_finite() && a.hi.is_finite())) {
+        if arguments.iter().any(|a| a.lo.is_nan() || a.hi.is_nan()) {
             return Interval::undefined();
+        }
+        let bound = Self::BOUND + ROUNDING;
+        if arguments.iter().any(|a| a.lo.is_infinite() || a.hi.is_infinite()) {
+            return Interval { lo: -bound, hi: bound };
         }
         let center: Vec<f64> = arguments.iter().map(|a| 0.5 * a.lo + 0.5 * a.hi).collect();
         let reach: f64 = arguments.iter().zip(&center).map(|(a, c)| (a.hi - c).max(c - a.lo)).sum();
         let (middle, radius) = (self.value(&center), Self::SLOPE * reach + ROUNDING);
-        if middle.is_nan() {
-            return Interval::undefined();
-        }
-        let bound = Self::BOUND + ROUNDING;
         Interval { lo: (middle - radius).max(-bound), hi: (middle + radius).min(bound) }
     }
 

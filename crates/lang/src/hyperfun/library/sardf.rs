@@ -185,6 +185,7 @@ impl Function for Intersection {
         let Some(arguments) = self.arguments(arguments) else { return f64::NAN };
         let [x, y, r, alpha] = arguments;
         match zone(arguments) {
+            _ if x.min(y) == f64::NEG_INFINITY => f64::NEG_INFINITY,
             Zone::X => x,
             Zone::Y => y,
             Zone::Growing => growing(x, y, r),

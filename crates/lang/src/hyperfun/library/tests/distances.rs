@@ -185,7 +185,17 @@ fn a_blend_is_a_rounded_corner() {
 }
 
 #[test]
-fn an_unbounded_operand_leaves_a_bounded_end() {
+fn an_unbounded_box_leaves_a_bounded_end() {
+    let beyond = Interval { lo: 5.0, hi: f64::INFINITY };
+    let [middle, axis] = [0.0, 2.0].map(|v| Interval { lo: v, hi: v });
+    let interval = ELLIPSOID.interval(&[beyond, middle, middle, axis, axis, axis]);
+    assert!(interval.lo == f64::NEG_INFINITY && (interval.hi + 3.0).abs() < 1e-11);
+
+    let below = Interval { lo: f64::NEG_INFINITY, hi: -1.0 };
+    let [r, alpha] = [0.1, 0.0].map(|v| Interval { lo: v, hi: v });
+    let interval = EXACT.interval(&[below, below, r, alpha]);
+    assert!(interval.lo == f64::NEG_INFINITY && (interval.hi + 2f64.sqrt()).abs() < 1e-9);
+
     let half = Interval { lo: 1.0, hi: f64::INFINITY };
     let [other, r, alpha] = [0.5, 0.1, 0.2].map(|v| Interval { lo: v, hi: v });
     let interval = EXACT.interval(&[half, other, r, alpha]);

@@ -83,7 +83,7 @@ impl Random {
     fn cell<const N: usize>(&mut self, range: [(f64, f64); N]) -> [Interval<f64>; N] {
         range.map(|(low, high)| {
             let lo = self.between(low, high);
-            let reach = if self.below_one() < 0.2 { 0.0 } else { 10f64.powf(self.between(-9.0, 0.0)) };
+            let reach = if self.below_one() < 0.2 { 0.0 } else { 10f64.powf(self.between(-16.0, 0.0)) };
             Interval { lo, hi: lo + reach * (high - lo) }
         })
     }
@@ -101,7 +101,7 @@ impl Random {
 /// Checks that the interval of each of many boxes is known and holds the values at points of the box.
 fn check_inclusion<const N: usize>(function: &dyn Function, range: [(f64, f64); N]) {
     let mut random = Random(1);
-    for _ in 0..5000 {
+    for _ in 0..8000 {
         let cell = random.cell(range);
         let interval = function.interval(&cell);
         for _ in 0..20 {

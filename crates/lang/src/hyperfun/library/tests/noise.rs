@@ -2,6 +2,7 @@
 
 use super::super::noise::PERLIN;
 use super::{Dialect, Given, Random, call, check_gradient, check_inclusion, value};
+use fieldstone_field::Interval;
 
 const SPACE: [(f64, f64); 3] = [(-300.0, 300.0); 3];
 
@@ -13,6 +14,9 @@ fn perlin(p: [f64; 3]) -> f64 {
 fn intervals_of_perlin_noise_hold_its_values() {
     check_inclusion(&**PERLIN, SPACE);
     check_inclusion(&**PERLIN, [(-1.5, 1.5); 3]);
+    let everywhere = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    let interval = PERLIN.interval(&[everywhere; 3]);
+    assert!(interval.hi - interval.lo < 1.74);
 }
 
 #[test]
