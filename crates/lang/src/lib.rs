@@ -5,6 +5,8 @@
 
 mod diagnostic;
 mod formula;
+#[allow(dead_code)]
+mod hyperfun;
 mod model;
 mod suggest;
 mod vm;

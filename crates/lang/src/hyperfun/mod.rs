@@ -1,0 +1,3 @@
+//! HyperFun.
+
+mod library;
