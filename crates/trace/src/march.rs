@@ -453,11 +453,13 @@ impl Lane {
         let fraction = near.1 / (near.1 - far.1);
         let fraction = if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.5 };
         let t = near.0 + fraction * (far.0 - near.0);
+        // One bracket's width before the root, where the field is far enough from 0 to be told from it.
+        let width = settings.tolerance * settings.size;
+        let before = near.0.min(t - width);
         // Continuous fields are nearly 0 at both ends of so short a bracket.
-        let jump =
-            near.1.abs().min(far.1.abs()) > 1e-3 && far.0 - near.0 <= settings.tolerance * settings.size;
-        self.candidate = Some(Hit { t, before: near.0, after: far.0, entering: !self.inside, jump });
-        self.end = near.0;
+        let jump = near.1.abs().min(far.1.abs()) > 1e-3 && far.0 - near.0 <= width;
+        self.candidate = Some(Hit { t, before, after: far.0, entering: !self.inside, jump });
+        self.end = before;
         if let Walk::Front { length } = &mut self.walk {
             *length = self.end - self.front;
         }
