@@ -86,7 +86,11 @@ impl Tracer {
             match slab {
                 Slab::Empty => {}
                 Slab::Outside | Slab::Inside => {
-                    pass(rays, (cut(i), cut(i + 1)), slab == Slab::Inside, &mut under_way, outcomes);
+                    let inside = slab == Slab::Inside;
+                    pass(rays, (cut(i), cut(i + 1)), inside, &mut under_way, outcomes);
+                    if settings.caps {
+                        under_way.retain(|&(ray, _)| !outcomes[ray].starts_inside);
+                    }
                 }
                 Slab::Open => {
                     let short = tape.specialise(|place| self.boxes.choice(place, i));
@@ -151,7 +155,9 @@ impl Tracer {
             outcome.hit = found.hit;
             next[job.place].1 = Some(found.starts_inside);
         });
-        next.retain(|&(ray, _)| outcomes[ray].hit.is_none());
+        next.retain(|&(ray, _)| {
+            outcomes[ray].hit.is_none() && !(settings.caps && outcomes[ray].starts_inside)
+        });
         *under_way = next;
     }
 }

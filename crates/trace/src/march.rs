@@ -400,7 +400,7 @@ impl Lane {
             Wish::Start => {
                 let value = next();
                 self.inside = self.defined(value) < 0.0;
-                self.wish = Wish::Span;
+                self.wish = if self.inside && settings.caps { Wish::Done } else { Wish::Span };
             }
             Wish::Ends { a, b } => {
                 let (fa, fb) = (next(), next());

@@ -101,12 +101,14 @@ pub struct Settings {
     pub size: f64,
     /// The width of the final bracket, relative to `size`; at most 10⁻⁶ for certificates to mean much.
     pub tolerance: f64,
+    /// Whether a ray that starts inside needs no crossing: it starts on a cap.
+    pub caps: bool,
 }
 
 impl Settings {
     /// The affine method with the default tolerance.
     pub fn new(size: f64) -> Self {
-        Self { method: Method::Affine, size, tolerance: Self::TOLERANCE }
+        Self { method: Method::Affine, size, tolerance: Self::TOLERANCE, caps: false }
     }
 
     /// The default width of the final bracket, relative to the size: 2⁻³⁰.

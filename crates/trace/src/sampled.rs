@@ -57,7 +57,8 @@ impl Walker {
                 self.solver = Some(Solver::new((self.t, self.value), (t, value), tolerance));
             }
             (self.t, self.value) = (t, value);
-            self.done = self.solver.is_none() && t >= self.job.ray.end;
+            let capped = inside && settings.caps;
+            self.done = self.solver.is_none() && (capped || t >= self.job.ray.end);
         }
         self.finish_solve();
     }

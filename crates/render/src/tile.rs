@@ -1,0 +1,279 @@
+//! The picture, tile by tile on all cores.
+
+use crate::integrator::{Sample, radiance};
+use crate::query::{Asker, Prepared};
+use fieldstone_scene::{Film, Pixel, Scene};
+use fieldstone_trace::Certificate;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The side of a tile, in pixels: small enough for programs to become short, large enough to fill the lanes.
+const TILE: u32 = 16;
+
+/// How to render, without effect on the picture.
+#[derive(Clone, Copy, Default)]
+pub struct RenderOptions<'a> {
+    /// How many threads; `None`: one for each core.
+    pub threads: Option<usize>,
+    /// Is told how much is done, from 0 to 1, from any thread.
+    pub progress: Option<&'a (dyn Fn(f64) + Sync)>,
+}
+
+/// What was spent, and what the picture rests on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Pixels whose centre ray is certified, hit or miss.
+    pub certified: u64,
+    /// Pixels whose centre ray rests on a tolerance.
+    pub tolerance: u64,
+    /// Pixels whose centre ray is undecided.
+    pub undecided: u64,
+    /// Pixels whose centre ray hits.
+    pub hits: u64,
+    /// Rays of all kinds.
+    pub rays: u64,
+    /// Evaluations of fields, over points and sets.
+    pub evaluations: u64,
+}
+
+/// A picture and how it came about.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The picture with its layers.
+    pub film: Film,
+    /// What was spent, and what the picture rests on.
+    pub stats: Stats,
+}
+
+/// Why a picture could not be drawn.
+#[derive(Debug)]
+pub struct RenderError {
+    /// The number of threads that was asked for.
+    pub threads: usize,
+    reason: String,
+}
+
+impl std::fmt::Display for RenderError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "could not start {} threads: {}", self.threads, self.reason)
+    }
+}
+
+impl std::error::Error for RenderError {}
+
+/// Draws a scene.
+///
+/// The picture does not depend on the number of threads.
+///
+/// # Errors
+/// The threads could not be started.
+pub fn render(scene: &Scene, options: &RenderOptions<'_>) -> Result<Rendered, RenderError> {
+    let threads = options.threads.unwrap_or(0);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|e| RenderError { threads, reason: e.to_string() })?;
+    Ok(pool.install(|| draw(scene, options)))
+}
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug)]
+struct Tile {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+impl Tile {
+    fn all(width: u32, height: u32) -> Vec<Tile> {
+        let columns = (0..width).step_by(TILE as usize);
+        (0..height)
+            .step_by(TILE as usize)
+            .flat_map(|y| columns.clone().map(move |x| (x, y)))
+            .map(|(x, y)| Tile { x, y, width: TILE.min(width - x), height: TILE.min(height - y) })
+            .collect()
+    }
+
+    fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
+        (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)))
+    }
+}
+
+/// What is needed of a pixel to tell where edges are.
+#[derive(Clone, Copy, Debug)]
+struct Centre {
+    pixel: Pixel,
+    colour: DVec3,
+}
+
+fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Rendered {
+    let prepared = Prepared::new(scene);
+    let (width, height) = scene.settings().size;
+    let tiles = Tile::all(width, height);
+    let passes = if scene.settings().samples > 1 { 2 } else { 1 };
+    let done = AtomicUsize::new(0);
+    let report = || {
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(progress) = options.progress {
+            progress(done as f64 / (tiles.len() * passes) as f64);
+        }
+    };
+
+    let mut stats = Stats::default();
+    let mut centres =
+        vec![Centre { pixel: Pixel::MISS, colour: DVec3::ZERO }; width as usize * height as usize];
+    let first: Vec<(Vec<Centre>, Spent)> = tiles
+        .par_iter()
+        .map_init(Asker::default, |asker, tile| {
+            let spent = Spent::start(asker);
+            let list = look_through_centres(&prepared, asker, *tile);
+            report();
+            (list, spent.end(asker))
+        })
+        .collect();
+    for (tile, (list, spent)) in tiles.iter().zip(first) {
+        spent.add_to(&mut stats);
+        for ((x, y), centre) in tile.pixels().zip(list) {
+            stats.count(&centre.pixel);
+            centres[(y * width + x) as usize] = centre;
+        }
+    }
+    let mut film = Film::new(width, height);
+    for (i, centre) in centres.iter().enumerate() {
+        film.set(i as u32 % width, i as u32 / width, &centre.pixel);
+    }
+    if passes == 2 {
+        let second: Vec<(Vec<(u32, u32, Pixel)>, Spent)> = tiles
+            .par_iter()
+            .map_init(Asker::default, |asker, tile| {
+                let spent = Spent::start(asker);
+                let list = refine_edges(&prepared, asker, *tile, &centres);
+                report();
+                (list, spent.end(asker))
+            })
+            .collect();
+        for (list, spent) in second {
+            spent.add_to(&mut stats);
+            list.iter().for_each(|(x, y, pixel)| film.set(*x, *y, pixel));
+        }
+    }
+    Rendered { film, stats }
+}
+
+/// Rays and evaluations between two moments.
+struct Spent {
+    rays: u64,
+    evaluations: u64,
+}
+
+impl Spent {
+    fn start(asker: &Asker) -> Self {
+        Self { rays: asker.rays, evaluations: asker.evaluations }
+    }
+
+    fn end(self, asker: &Asker) -> Self {
+        Self { rays: asker.rays - self.rays, evaluations: asker.evaluations - self.evaluations }
+    }
+
+    fn add_to(&self, stats: &mut Stats) {
+        stats.rays += self.rays;
+        stats.evaluations += self.evaluations;
+    }
+}
+
+impl Stats {
+    fn count(&mut self, pixel: &Pixel) {
+        self.hits += u64::from(pixel.depth.is_finite());
+        match pixel.certificate {
+            c if c == Certificate::Certified as u8 as f32 => self.certified += 1,
+            c if c == Certificate::Tolerance as u8 as f32 => self.tolerance += 1,
+            _ => self.undecided += 1,
+        }
+    }
+}
+
+fn look_through_centres(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile) -> Vec<Centre> {
+    let rays: Vec<_> =
+        tile.pixels().map(|(x, y)| prepared.scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5)).collect();
+    let samples = radiance(prepared, asker, &rays);
+    samples.iter().map(|s| Centre { pixel: to_pixel(s), colour: s.colour }).collect()
+}
+
+fn to_pixel(sample: &Sample) -> Pixel {
+    let answer = &sample.answer;
+    let certificate = f32::from(answer.certificate as u8);
+    let cost = answer.cost as f32;
+    match answer.surface {
+        None => Pixel { certificate, cost, ..Pixel::MISS },
+        Some(surface) => Pixel {
+            colour: sample.colour.as_vec3().to_array(),
+            alpha: 1.0,
+            depth: surface.t as f32,
+            normal: sample.normal.as_vec3().to_array(),
+            part: surface.part as f32,
+            certificate,
+            cost,
+        },
+    }
+}
+
+/// More samples for the pixels of a tile that differ from a neighbour.
+fn refine_edges(
+    prepared: &Prepared<'_>,
+    asker: &mut Asker,
+    tile: Tile,
+    centres: &[Centre],
+) -> Vec<(u32, u32, Pixel)> {
+    let (width, height) = prepared.scene.settings().size;
+    let extra = prepared.scene.settings().samples as usize - 1;
+    let at = |x: u32, y: u32| &centres[(y * width + x) as usize];
+    let edges: Vec<(u32, u32)> = tile
+        .pixels()
+        .filter(|&(x, y)| {
+            let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
+            let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
+            let around = (above..=below).flat_map(|v| (left..=right).map(move |u| (u, v)));
+            around.into_iter().any(|(u, v)| differ(at(x, y), at(u, v)))
+        })
+        .collect();
+    let rays: Vec<_> = edges
+        .iter()
+        .flat_map(|&(x, y)| (1..=extra).map(move |i| (x, y, place_in_pixel(i))))
+        .map(|(x, y, (u, v))| prepared.scene.ray(f64::from(x) + u, f64::from(y) + v))
+        .collect();
+    let samples = radiance(prepared, asker, &rays);
+    edges
+        .iter()
+        .zip(samples.chunks(extra))
+        .map(|(&(x, y), samples)| {
+            let centre = at(x, y);
+            let covered = samples.iter().filter(|s| s.answer.surface.is_some()).count() as f64;
+            let weight = 1.0 / (extra + 1) as f64;
+            let colour = (centre.colour + samples.iter().map(|s| s.colour).sum::<DVec3>()) * weight;
+            let alpha = (f64::from(centre.pixel.alpha) + covered) * weight;
+            (x, y, Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..centre.pixel })
+        })
+        .collect()
+}
+
+/// Whether an edge runs between two neighbours: of a solid, a part, a crease, or light.
+fn differ(a: &Centre, b: &Centre) -> bool {
+    if a.pixel.part != b.pixel.part {
+        return true;
+    }
+    if a.pixel.part < 0.0 {
+        return false;
+    }
+    let normals: f32 = a.pixel.normal.iter().zip(b.pixel.normal).map(|(p, q)| p * q).sum();
+    let brightest = a.colour.max(b.colour) + DVec3::splat(0.02);
+    normals < 0.9 || ((a.colour - b.colour).abs() / brightest).max_element() > 0.15
+}
+
+/// The place of sample `i` in a pixel: the first in its centre, the others evenly around it (Roberts 2018).
+fn place_in_pixel(i: usize) -> (f64, f64) {
+    // 1/ρ and 1/ρ² for the root ρ of x³ = x + 1.
+    const STEPS: (f64, f64) = (0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
+    ((0.5 + STEPS.0 * i as f64).fract(), (0.5 + STEPS.1 * i as f64).fract())
+}
