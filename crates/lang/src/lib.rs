@@ -4,9 +4,11 @@
 //! and what to do. All deliver fields that are negative inside, whatever the sign of the file.
 
 mod diagnostic;
+mod hyperfun;
 mod model;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, Source};
+pub use hyperfun::{HyperFunOptions, parse_hyperfun};
 pub use model::{FileSign, Model, Object, Parameter, UpAxis};
 
 /// Which meaning HyperFun texts have where mathematics and the C interpreter differ.
