@@ -157,7 +157,6 @@ impl Expression<'_, '_> {
             Token::OpenBracket => {
                 error.with_help("`[ … ]` stands only in `name = [ … ];` for a declared array")
             }
-            Token::Xor => error.with_help("`xor` has no meaning in HyperFun"),
             _ => error,
         };
         Err(self.parser.fail(error))

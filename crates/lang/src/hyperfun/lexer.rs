@@ -54,7 +54,6 @@ pub(super) enum Token {
     And,
     Or,
     Not,
-    Xor,
     Array,
     If,
     Then,
@@ -94,7 +93,6 @@ const KEYWORDS: &[(&str, Token)] = &[
     ("and", Token::And),
     ("or", Token::Or),
     ("not", Token::Not),
-    ("xor", Token::Xor),
     ("array", Token::Array),
     ("if", Token::If),
     ("then", Token::Then),
@@ -145,6 +143,7 @@ const FOREIGN: &[(&str, Token, &str)] = &[
     ("||", Token::Or, "either condition: `or`; the union of solids: `|`"),
     ("**", Token::Power, "powers are written `^`"),
     ("!", Token::Not, "negation is written `not`"),
+    ("%", Token::Divide, "the remainder of a division is `mod(a, b)`"),
     ("\u{2212}", Token::Minus, "the minus sign is the ASCII `-`"),
     ("\u{2013}", Token::Minus, "the minus sign is the ASCII `-`"),
     ("\u{d7}", Token::Times, "products are written `*`"),
@@ -239,6 +238,12 @@ impl<'s> Lexer<'s, '_> {
         if text.starts_with('_') {
             self.report.error(span, "a name begins with a letter", "not with an underscore");
         }
+        if text == "xor" {
+            let error =
+                Diagnostic::error(span.range(), "`xor` is reserved and has no meaning", "expected `or`");
+            self.report.add(error.with_help("write `(a or b) and not (a and b)`"));
+            return (Token::Or, span);
+        }
         let keyword = KEYWORDS.iter().find(|(word, _)| *word == text);
         (keyword.map_or_else(|| Token::Name(self.names.intern(text)), |(_, token)| *token), span)
     }
@@ -279,11 +284,7 @@ impl<'s> Lexer<'s, '_> {
         let text: String = self.text[span.range()].chars().take(20).collect();
         let error =
             Diagnostic::error(span.range(), format!("`{text}` has no meaning here"), "illegal characters");
-        self.report.add(if text.starts_with('%') {
-            error.with_help("the remainder is `mod(a, b)`")
-        } else {
-            error
-        });
+        self.report.add(error);
     }
 }
 

@@ -181,6 +181,11 @@ impl<'s> Parser<'s> {
     fn program(&mut self) {
         while self.peek() != Token::End && !self.report.is_full() {
             let start = self.at;
+            if self.report.has_errors() && self.peek_after() != Token::Open {
+                // After an error, what does not look like an object is the rest of the one before.
+                self.skip_to_header(start);
+                continue;
+            }
             match self.object() {
                 Ok(object) => self.objects.push(object),
                 Err(Reported) => self.skip_to_header(start),
@@ -203,7 +208,7 @@ impl<'s> Parser<'s> {
     }
 
     fn object(&mut self) -> Parsed<Object> {
-        let span = self.span();
+        let (span, errors) = (self.span(), self.report.error_count());
         let Token::Name(name) = self.peek() else {
             let error = self.unexpected("an object: `name(x[3], a[1]) { … }`");
             return Err(self.fail(error));
@@ -214,7 +219,7 @@ impl<'s> Parser<'s> {
         self.open_scope(name, [coordinates, parameters, attributes.unwrap_or(1)]);
         let open = self.expect(Token::OpenBrace, "`{`")?;
         let body = self.body(open)?;
-        if self.scope.results == 0 {
+        if self.scope.results == 0 && errors == self.report.error_count() {
             let message = format!("`{}` never gets its value", self.name(name));
             let label = format!("expected `{} = …;` before the `}}`", self.name(name));
             self.report.error(span, message, label);
@@ -606,6 +611,10 @@ impl<'s> Parser<'s> {
 
     pub(super) fn undeclared_array(&mut self, name: Symbol, span: Span) -> Reported {
         let text = self.name(name).to_owned();
+        if self.variable(name).is_some() {
+            let message = format!("`{text}` is a number, not an array");
+            return self.fail(Diagnostic::error(span.range(), message, "has no elements"));
+        }
         let error = Diagnostic::error(span.range(), format!("`{text}` is not an array"), "unknown array");
         let arrays =
             self.scope.slots.iter().filter(|slot| slot.length.is_some()).map(|slot| slot.name.as_str());

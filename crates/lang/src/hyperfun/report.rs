@@ -65,6 +65,10 @@ impl Report {
         self.errors > 0
     }
 
+    pub(super) fn error_count(&self) -> usize {
+        self.errors
+    }
+
     /// The messages in the order of the text.
     pub(super) fn into_list(mut self) -> Vec<Diagnostic> {
         self.list.sort_by_key(|d| d.span.start);
