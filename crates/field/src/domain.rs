@@ -17,6 +17,8 @@ pub trait Domain:
     /// The numbers that it is made of.
     type Real: Real;
 
+    /// The token that this value was made with.
+    fn token(self) -> <Self::Real as Real>::Token;
     /// The constant `k`, which [`Real`] may have to round: a domain of sets holds both.
     fn constant(token: <Self::Real as Real>::Token, k: f64) -> Self;
     /// An undefined value.
@@ -31,6 +33,15 @@ pub trait Domain:
     fn join(self, other: Self) -> Self;
     /// Calls a function that is known as a whole.
     fn call(function: &dyn crate::Function, arguments: &[Self], token: <Self::Real as Real>::Token) -> Self;
+    /// The derivative of such a call along a direction in which the arguments change by `slopes`; undefined over sets.
+    fn call_derivative(
+        _function: &dyn crate::Function,
+        _arguments: &[Self],
+        _slopes: &[Self],
+        token: <Self::Real as Real>::Token,
+    ) -> Self {
+        Self::undefined(token)
+    }
 
     /// −a.
     #[inline(always)]

@@ -77,7 +77,8 @@ impl Field {
     ///
     /// `coordinates` are those of the field's space, as many as it has; the rest comes from `bindings`.
     pub fn at(&self, coordinates: &[f64], bindings: &Bindings) -> Vec<f64> {
-        let outputs: Vec<NodeId> = std::iter::once(self.value).chain(self.attributes.iter().copied()).collect();
+        let outputs: Vec<NodeId> =
+            std::iter::once(self.value).chain(self.attributes.iter().copied()).collect();
         let input = |i| match i {
             Input::Coordinate(k) if usize::from(k) < coordinates.len() => coordinates[usize::from(k)],
             other => bindings.get(other),
@@ -95,7 +96,8 @@ impl Field {
 
     /// The inputs that the outputs depend on.
     pub fn inputs(&self) -> Vec<Input> {
-        let outputs: Vec<NodeId> = std::iter::once(self.value).chain(self.attributes.iter().copied()).collect();
+        let outputs: Vec<NodeId> =
+            std::iter::once(self.value).chain(self.attributes.iter().copied()).collect();
         let reachable = self.graph.reachable(&outputs).into_iter();
         let mut inputs: Vec<Input> = reachable
             .filter_map(|n| match self.graph.node(n) {

@@ -117,7 +117,9 @@ impl Graph {
         match node {
             Node::LoopVar(id, _) => Some(*id),
             Node::LoopOut(id, _) => self.loop_scope(*id),
-            other => other.operands().iter().fold(None, |scope, &o| self.inner(scope, self.scopes[o.0 as usize])),
+            other => {
+                other.operands().iter().fold(None, |scope, &o| self.inner(scope, self.scopes[o.0 as usize]))
+            }
         }
     }
 
@@ -129,7 +131,9 @@ impl Graph {
 
     /// The innermost loop around loop `id` that anything inside it depends on.
     fn loop_scope(&self, id: LoopId) -> Option<LoopId> {
-        self.loop_free_nodes(id).into_iter().fold(None, |scope, n| self.inner(scope, self.scopes[n.0 as usize]))
+        self.loop_free_nodes(id)
+            .into_iter()
+            .fold(None, |scope, n| self.inner(scope, self.scopes[n.0 as usize]))
     }
 
     /// Whether `scope` is loop `id` or lies inside it.
@@ -226,7 +230,14 @@ impl Graph {
     }
 
     /// A cheaper node with the same value, for operands whose constant values are `p` and `q`.
-    fn simplify(&mut self, op: Binary, a: NodeId, b: NodeId, p: Option<f64>, q: Option<f64>) -> Option<NodeId> {
+    fn simplify(
+        &mut self,
+        op: Binary,
+        a: NodeId,
+        b: NodeId,
+        p: Option<f64>,
+        q: Option<f64>,
+    ) -> Option<NodeId> {
         use Binary::*;
         match (op, p, q) {
             (Add, Some(0.0), _) | (Mul, Some(1.0), _) => return Some(b),
@@ -274,7 +285,8 @@ impl Graph {
             _ => root,
         };
         let Node::Binary(Binary::Add, s, t) = *self.node(radicand) else { return None };
-        let (Node::Unary(Unary::Square, f), Node::Unary(Unary::Square, g)) = (self.node(s), self.node(t)) else {
+        let (Node::Unary(Unary::Square, f), Node::Unary(Unary::Square, g)) = (self.node(s), self.node(t))
+        else {
             return None;
         };
         let (f, g) = (*f, *g);

@@ -1,8 +1,24 @@
-//! Intervals, rounded outward.
+//! Interval arithmetic, rounded outward.
+//!
+//! An interval holds every value that an operation takes on its operands, both the exact one and the one that
+//! floating-point arithmetic computes. Ends are computed to nearest and then moved outward by more than the error of
+//! the operation, so that no rounding mode is ever changed; sums are left alone where they are exact, so that loop
+//! counters stay whole numbers.
+//!
+//! NaN ends mean *anything, or nothing at all*: the value may be undefined somewhere. Every operation hands that on.
+//! An infinite end is only an end: the lower end is never +∞, the upper never −∞.
 
-/// A set of extended reals between two ends.
-///
-/// NaN ends mean *anything, or nothing at all*: the value may be undefined somewhere. An infinite end is only an end.
+use crate::domain::Domain;
+use crate::real::whole_power;
+use crate::{Function, Real};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Error bound of the elementary functions of the standard library and of this crate, in units of [`Real::ULP`].
+/// Their documentation states one to two units in the last place; twice that is taken.
+const LIBRARY_ULPS: f64 = 4.0;
+
+/// A set of extended reals between two ends. See the [module](self) for NaN and infinite ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval<R> {
     /// The lower end.
@@ -15,5 +31,515 @@ impl Interval<f64> {
     /// Anything, or nothing at all.
     pub const fn undefined() -> Self {
         Self { lo: f64::NAN, hi: f64::NAN }
+    }
+
+    /// The reals from `lo` to `hi`.
+    pub const fn new(lo: f64, hi: f64) -> Self {
+        Self { lo, hi }
+    }
+
+    /// Whether `value` is inside; an undefined interval contains everything, NaN too.
+    pub fn contains(&self, value: f64) -> bool {
+        self.lo.is_nan() || (self.lo <= value && value <= self.hi)
+    }
+
+    /// hi − lo.
+    pub fn width(&self) -> f64 {
+        self.hi - self.lo
+    }
+}
+
+impl<R: Real> Interval<R> {
+    /// The point `x`, in every lane.
+    #[inline(always)]
+    pub fn point(x: R) -> Self {
+        Self { lo: x, hi: x }
+    }
+
+    /// Where every value is certainly above 0.
+    #[inline(always)]
+    pub fn is_positive(self) -> R::Mask {
+        self.zero().is_lt(self.lo)
+    }
+
+    /// Where every value is certainly below 0.
+    #[inline(always)]
+    pub fn is_negative(self) -> R::Mask {
+        self.hi.is_lt(self.zero())
+    }
+
+    #[inline(always)]
+    fn zero(self) -> R {
+        R::splat(self.lo.token(), 0.0)
+    }
+
+    #[inline(always)]
+    fn constant_real(self, k: f64) -> R {
+        R::splat(self.lo.token(), k)
+    }
+
+    /// Where 0 lies between the ends.
+    #[inline(always)]
+    fn straddles_zero(self) -> R::Mask {
+        self.lo.is_le(self.zero()) & self.zero().is_le(self.hi)
+    }
+
+    /// The largest |value|.
+    #[inline(always)]
+    pub fn magnitude(self) -> R {
+        self.lo.magnitude().greater(self.hi.magnitude())
+    }
+
+    /// Whole numbers between which everything lies, moved outward by `ulps` relative errors and one underflow.
+    #[inline(always)]
+    fn rounded(lo: R, hi: R, ulps: f64) -> Self {
+        let (lo, hi) = finite_inner_ends(lo, hi);
+        let slack = R::splat(lo.token(), ulps * R::ULP);
+        let tiny = R::splat(lo.token(), R::TINY);
+        Self { lo: lo - (lo.magnitude() * slack + tiny), hi: hi + (hi.magnitude() * slack + tiny) }
+    }
+
+    /// The same set without what lies below `floor`, which is known to be a bound.
+    #[inline(always)]
+    fn at_least(self, floor: R) -> Self {
+        Self { lo: R::pick(self.lo.is_lt(floor), floor, self.lo), hi: self.hi }
+    }
+
+    /// The same set without what lies above `ceiling`, which is known to be a bound.
+    #[inline(always)]
+    fn at_most(self, ceiling: R) -> Self {
+        Self { lo: self.lo, hi: R::pick(ceiling.is_lt(self.hi), ceiling, self.hi) }
+    }
+
+    /// Undefined where the mask is set.
+    #[inline(always)]
+    fn undefined_where(self, mask: R::Mask) -> Self {
+        let nan = self.constant_real(f64::NAN);
+        Self { lo: R::pick(mask, nan, self.lo), hi: R::pick(mask, nan, self.hi) }
+    }
+
+    /// All reals where the mask is set.
+    #[inline(always)]
+    fn whole_where(self, mask: R::Mask) -> Self {
+        let infinity = self.constant_real(f64::INFINITY);
+        Self { lo: R::pick(mask, -infinity, self.lo), hi: R::pick(mask, infinity, self.hi) }
+    }
+
+    /// The image under a function of the standard library that never falls.
+    #[inline(always)]
+    fn rising(self, f: impl Fn(f64) -> f64) -> Self {
+        Self::rounded(self.lo.map(&f), self.hi.map(&f), LIBRARY_ULPS)
+    }
+
+    /// Where any value lies outside [−1, 1].
+    #[inline(always)]
+    fn leaves_unit(self) -> R::Mask {
+        self.lo.is_lt(self.constant_real(-1.0)) | self.constant_real(1.0).is_lt(self.hi)
+    }
+
+    /// What lies between the least and the greatest of four candidates, undefined where any is.
+    #[inline(always)]
+    fn hull4(candidates: [R; 4], ulps: f64) -> Self {
+        let [p, q, r, s] = candidates;
+        let poison = (p + q) + (r + s);
+        let lo = (p.lesser(q)).lesser(r.lesser(s));
+        let hi = (p.greater(q)).greater(r.greater(s));
+        Self::rounded(lo, hi, ulps).undefined_where(poison.is_nan_mask())
+    }
+
+    /// Whether a periodic extremum at `phase` + k·`period` may lie inside.
+    #[inline(always)]
+    fn meets(self, phase: f64, period: f64) -> R::Mask {
+        let (inverse, phase) = (self.constant_real(1.0 / period), self.constant_real(phase));
+        let cell = |x: R, nudge: f64| ((x - phase) * inverse + self.constant_real(nudge)).round_down();
+        // Nudged outward by far more than the rounding error of the quotient, for arguments below `FAR`.
+        !cell(self.lo, -1e-6).is_eq(cell(self.hi, 1e-6))
+    }
+
+    /// A sine-like function with maxima at `maximum` + 2kπ and minima half a turn further.
+    #[inline(always)]
+    fn wave(self, at: impl Fn(R) -> R, maximum: f64) -> Self {
+        const FAR: f64 = 1e6;
+        let one = self.constant_real(1.0);
+        let (l, h) = (at(self.lo), at(self.hi));
+        let range = Self::rounded(l.lesser(h), l.greater(h), LIBRARY_ULPS);
+        let wide = !((self.hi - self.lo).is_lt(self.constant_real(TAU)))
+            | !self.magnitude().is_lt(self.constant_real(FAR));
+        let hi = R::pick(wide | self.meets(maximum, TAU), one, range.hi);
+        let lo = R::pick(wide | self.meets(maximum + PI, TAU), -one, range.lo);
+        // The sine of an infinity is undefined.
+        let infinite = !self.magnitude().is_le(self.constant_real(R::HUGE));
+        Self { lo, hi }.at_least(-one).at_most(one).undefined_where(infinite)
+    }
+
+    /// A step function that never falls, exact.
+    #[inline(always)]
+    fn step(self, f: impl Fn(R) -> R) -> Self {
+        Self { lo: f(self.lo), hi: f(self.hi) }
+    }
+
+    /// A truth value that is certainly 1 or certainly 0 where the masks are set.
+    #[inline(always)]
+    fn verdict(self, other: Self, surely: R::Mask, surely_not: R::Mask) -> Self {
+        let (zero, one) = (self.zero(), self.constant_real(1.0));
+        let lo = R::pick(surely, one, zero);
+        let hi = R::pick(surely_not, zero, one);
+        Self { lo, hi }.undefined_where(self.lo.is_nan_mask() | other.lo.is_nan_mask())
+    }
+
+    /// `self − divisor·q` where the whole number q = `round`(self / divisor) is the same all over, otherwise `spread`.
+    #[inline(always)]
+    fn remainder(self, divisor: Self, round: impl Fn(R) -> R, spread: Self) -> Self {
+        let quotient = self / divisor;
+        let (q, q_high) = (round(quotient.lo), round(quotient.hi));
+        let exact = self - divisor * Self::point(q);
+        let same = q.is_eq(q_high) & q.magnitude().is_lt(self.constant_real(1e9));
+        let clipped = exact.at_least(spread.lo).at_most(spread.hi);
+        // What is left of an infinity is undefined.
+        let infinite = !self.magnitude().is_le(self.constant_real(R::HUGE));
+        let nothing = divisor.straddles_zero() | quotient.lo.is_nan_mask() | infinite;
+        Self::choose(same, clipped, spread).undefined_where(nothing)
+    }
+}
+
+/// The ends with the lower never +∞ and the upper never −∞.
+#[inline(always)]
+fn finite_inner_ends<R: Real>(lo: R, hi: R) -> (R, R) {
+    let huge = R::splat(lo.token(), R::HUGE);
+    (R::pick(huge.is_lt(lo), huge, lo), R::pick(hi.is_lt(-huge), -huge, hi))
+}
+
+/// a + b with the sign of the rounding error: what is exact stays exact.
+#[inline(always)]
+fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}
+
+#[inline(always)]
+fn add_down<R: Real>(a: R, b: R) -> R {
+    let (sum, error) = two_sum(a, b);
+    let (zero, huge) = (R::splat(a.token(), 0.0), R::splat(a.token(), R::HUGE));
+    // A sum that overflowed was above the largest number at least.
+    let sum = R::pick(huge.is_lt(sum), huge, sum);
+    let lower = sum - sum.magnitude() * R::splat(a.token(), R::ULP);
+    R::pick(zero.is_le(error), sum, lower)
+}
+
+impl<R: Real> Add for Interval<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let lo = add_down(self.lo, other.lo);
+        let hi = -add_down(-self.hi, -other.hi);
+        let (lo, hi) = finite_inner_ends(lo, hi);
+        let infinity = self.constant_real(f64::INFINITY);
+        // ∞ − ∞ can only come about where both ends are infinite.
+        Self { lo, hi }.undefined_where(lo.is_eq(-infinity) & hi.is_eq(infinity))
+    }
+}
+
+impl<R: Real> Sub for Interval<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl<R: Real> Mul for Interval<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let products = [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
+        let zero = self.zero();
+        let product = Self::hull4(products, 1.0);
+        let positive = zero.is_le(self.lo) & zero.is_le(other.lo);
+        Self { lo: R::pick(positive & product.lo.is_lt(zero), zero, product.lo), hi: product.hi }
+    }
+}
+
+impl<R: Real> Div for Interval<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let quotients = [self.lo / other.lo, self.lo / other.hi, self.hi / other.lo, self.hi / other.hi];
+        let quotient = Self::hull4(quotients, 1.0);
+        let pole = other.straddles_zero();
+        let nothing = self.lo.is_nan_mask() | (pole & self.straddles_zero());
+        quotient.whole_where(pole).undefined_where(nothing)
+    }
+}
+
+impl<R: Real> Neg for Interval<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo }
+    }
+}
+
+impl<R: Real> Domain for Interval<R> {
+    type Real = R;
+
+    #[inline(always)]
+    fn token(self) -> R::Token {
+        self.lo.token()
+    }
+    #[inline(always)]
+    fn constant(token: R::Token, k: f64) -> Self {
+        let nearest = R::splat(token, k);
+        if crate::Scalar::to_f64_is(<R::Scalar as crate::Scalar>::from_f64(k), k) && k.is_finite() {
+            Self::point(nearest)
+        } else {
+            Self::rounded(nearest, nearest, 1.0)
+        }
+    }
+    #[inline(always)]
+    fn undefined(token: R::Token) -> Self {
+        Self::point(R::splat(token, f64::NAN))
+    }
+    #[inline(always)]
+    fn truth(self) -> (R::Mask, R::Mask) {
+        let zero = self.zero();
+        (!(self.lo.is_eq(zero) & self.hi.is_eq(zero)), self.straddles_zero())
+    }
+    #[inline(always)]
+    fn is_undefined(self) -> R::Mask {
+        self.lo.is_nan_mask()
+    }
+    #[inline(always)]
+    fn choose(mask: R::Mask, a: Self, b: Self) -> Self {
+        Self { lo: R::pick(mask, a.lo, b.lo), hi: R::pick(mask, a.hi, b.hi) }
+    }
+    #[inline(always)]
+    fn join(self, other: Self) -> Self {
+        let hull = Self { lo: self.lo.lesser(other.lo), hi: self.hi.greater(other.hi) };
+        hull.undefined_where(self.lo.is_nan_mask() | other.lo.is_nan_mask())
+    }
+    fn call(function: &dyn Function, arguments: &[Self], token: R::Token) -> Self {
+        let mut boxes = vec![Interval::undefined(); arguments.len()];
+        let mut upper = [0.0; 64];
+        let lo = R::from_lanes(token, |i| {
+            for (b, a) in boxes.iter_mut().zip(arguments) {
+                *b = Interval { lo: a.lo.lane(i), hi: a.hi.lane(i) };
+            }
+            let any_undefined = boxes.iter().any(|b| b.lo.is_nan());
+            let image = if any_undefined { Interval::undefined() } else { function.interval(&boxes) };
+            upper[i] = image.hi;
+            image.lo
+        });
+        let image = Self { lo, hi: R::from_lanes(token, |i| upper[i]) };
+        if R::ULP == f64::EPSILON { image } else { Self::rounded(image.lo, image.hi, 1.0) }
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        let (l, h) = (self.lo.magnitude(), self.hi.magnitude());
+        let lo = R::pick(self.straddles_zero(), self.zero(), l.lesser(h));
+        Self { lo, hi: l.greater(h) }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = Self::rounded(self.lo.root(), self.hi.root(), 1.0).at_least(self.zero());
+        root.undefined_where(self.lo.is_lt(self.zero()))
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        let a = Domain::abs(self);
+        Self::rounded(a.lo * a.lo, a.hi * a.hi, 1.0).at_least(self.zero())
+    }
+    #[inline(always)]
+    fn powi(self, n: i32) -> Self {
+        let ulps = 2.0 * f64::from(n.unsigned_abs());
+        let magnitude = n.unsigned_abs() as i32;
+        let power = if n % 2 == 0 {
+            let a = Domain::abs(self);
+            let ends = (whole_power(a.lo, magnitude), whole_power(a.hi, magnitude));
+            Self::rounded(ends.0, ends.1, ulps).at_least(self.zero())
+        } else {
+            Self::rounded(whole_power(self.lo, magnitude), whole_power(self.hi, magnitude), ulps)
+        };
+        if n < 0 { power.recip() } else { power }
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let one = self.constant_real(1.0);
+        Self::rounded(one / self.hi, one / self.lo, 1.0).whole_where(self.straddles_zero())
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.rising(f64::exp).at_least(self.zero())
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.rising(f64::ln).undefined_where(self.lo.is_lt(self.zero()))
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.wave(Domain::sin, FRAC_PI_2)
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.wave(Domain::cos, 0.0)
+    }
+    #[inline(always)]
+    fn tan(self) -> Self {
+        let range = self.rising(f64::tan);
+        let wide = !((self.hi - self.lo).is_lt(self.constant_real(PI)))
+            | !self.magnitude().is_lt(self.constant_real(1e6))
+            | self.meets(FRAC_PI_2, PI);
+        let infinite = !self.magnitude().is_le(self.constant_real(R::HUGE));
+        range.whole_where(wide).undefined_where(infinite)
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        self.rising(f64::asin).undefined_where(self.leaves_unit())
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        let range = Self::rounded(self.hi.map(f64::acos), self.lo.map(f64::acos), LIBRARY_ULPS);
+        range.at_least(self.zero()).undefined_where(self.leaves_unit())
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        self.rising(f64::atan)
+    }
+    #[inline(always)]
+    fn sinh(self) -> Self {
+        self.rising(f64::sinh)
+    }
+    #[inline(always)]
+    fn cosh(self) -> Self {
+        Domain::abs(self).rising(f64::cosh).at_least(self.constant_real(1.0))
+    }
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        let one = self.constant_real(1.0);
+        self.rising(f64::tanh).at_least(-one).at_most(one)
+    }
+    #[inline(always)]
+    fn atanh(self) -> Self {
+        self.rising(f64::atanh).undefined_where(self.leaves_unit())
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        self.step(Domain::floor)
+    }
+    #[inline(always)]
+    fn ceil(self) -> Self {
+        self.step(Domain::ceil)
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        self.step(Domain::round)
+    }
+    #[inline(always)]
+    fn trunc(self) -> Self {
+        self.step(Domain::trunc)
+    }
+    #[inline(always)]
+    fn sign(self) -> Self {
+        self.step(Domain::sign)
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        let (may_hold, may_fail) = self.truth();
+        self.verdict(self, !may_hold, !may_fail)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        let lesser = Self { lo: self.lo.lesser(other.lo), hi: self.hi.lesser(other.hi) };
+        lesser.undefined_where(self.lo.is_nan_mask() | other.lo.is_nan_mask())
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        -Domain::min(-self, -other)
+    }
+    /// Rises with both operands: exact at the ends.
+    #[inline(always)]
+    fn rmin(self, other: Self) -> Self {
+        Self::rounded(Domain::rmin(self.lo, other.lo), Domain::rmin(self.hi, other.hi), 8.0)
+    }
+    #[inline(always)]
+    fn rmax(self, other: Self) -> Self {
+        -Domain::rmin(-self, -other)
+    }
+    /// For positive bases the extremes lie in the corners; otherwise only one whole exponent is defined.
+    #[inline(always)]
+    fn pow(self, other: Self) -> Self {
+        let corner = |a: R, b: R| a.map2(b, f64::powf);
+        let corners = [
+            corner(self.lo, other.lo),
+            corner(self.lo, other.hi),
+            corner(self.hi, other.lo),
+            corner(self.hi, other.hi),
+        ];
+        let single = other.lo.is_eq(other.hi);
+        let positive =
+            self.zero().is_lt(self.lo) | (self.zero().is_le(self.lo) & self.zero().is_lt(other.lo));
+        let range = Self::hull4(corners, LIBRARY_ULPS).at_least(self.zero());
+        let even = (other.lo * self.constant_real(0.5)).round_down() * self.constant_real(2.0);
+        let is_even = single & even.is_eq(other.lo);
+        let is_odd = single & !is_even & other.lo.round_down().is_eq(other.lo);
+        let rising_whole = (is_even | is_odd) & self.zero().is_lt(other.lo);
+        let through_zero = Self::rounded(
+            R::pick(is_even, corner(Domain::abs(self).lo, other.lo), corners[0]),
+            R::pick(is_even, corner(Domain::abs(self).hi, other.lo), corners[2]),
+            LIBRARY_ULPS,
+        );
+        let any_nan = self.lo.is_nan_mask() | other.lo.is_nan_mask();
+        Self::choose(positive, range, through_zero).undefined_where(!(positive | rising_whole) | any_nan)
+    }
+    #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        let corner = |y: R, x: R| y.map2(x, f64::atan2);
+        let corners = [
+            corner(self.lo, other.lo),
+            corner(self.lo, other.hi),
+            corner(self.hi, other.lo),
+            corner(self.hi, other.hi),
+        ];
+        let cut = self.straddles_zero() & other.lo.is_le(self.zero());
+        let pi = self.constant_real(PI);
+        let range = Self::hull4(corners, LIBRARY_ULPS);
+        let any_nan = self.lo.is_nan_mask() | other.lo.is_nan_mask();
+        let whole = Self::rounded(-pi, pi, 1.0);
+        Self::choose(cut, whole, range).undefined_where(any_nan)
+    }
+    #[inline(always)]
+    fn rem(self, other: Self) -> Self {
+        let (zero, bound) = (self.zero(), Domain::abs(other).hi.lesser(self.magnitude()));
+        let lo = R::pick(self.lo.is_lt(zero), -bound, zero);
+        let hi = R::pick(zero.is_lt(self.hi), bound, zero);
+        self.remainder(other, Domain::trunc, Self { lo, hi })
+    }
+    #[inline(always)]
+    fn modulo(self, other: Self) -> Self {
+        let divisor = Domain::abs(other);
+        self.remainder(divisor, Domain::floor, Self { lo: self.zero(), hi: divisor.hi })
+    }
+    #[inline(always)]
+    fn compare(self, other: Self) -> Self {
+        let (zero, one) = (self.zero(), self.constant_real(1.0));
+        let below = R::pick(self.hi.is_le(other.lo), zero, one);
+        let hi = R::pick(self.hi.is_lt(other.lo), -one, below);
+        let above = R::pick(other.hi.is_le(self.lo), zero, -one);
+        let lo = R::pick(other.hi.is_lt(self.lo), one, above);
+        Self { lo, hi }.undefined_where(self.lo.is_nan_mask() | other.lo.is_nan_mask())
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Self {
+        self.verdict(other, self.hi.is_lt(other.lo), other.hi.is_le(self.lo))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Self {
+        self.verdict(other, self.hi.is_le(other.lo), other.hi.is_lt(self.lo))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Self {
+        let single = self.lo.is_eq(self.hi) & other.lo.is_eq(other.hi) & self.lo.is_eq(other.lo);
+        self.verdict(other, single, self.hi.is_lt(other.lo) | other.hi.is_lt(self.lo))
     }
 }

@@ -4,20 +4,29 @@
 //! over reals it gives values, over [`Interval`]s proofs that there is no surface in a box, over affine forms the same
 //! with a slope along a ray, over duals exact gradients.
 
+mod affine;
 mod domain;
+mod dual;
+mod eval;
 mod field;
 mod function;
 mod graph;
 mod interval;
 mod op;
 mod real;
+
 pub mod reference;
+mod tape;
 mod trig;
 
+pub use affine::Affine;
 pub use domain::Domain;
+pub use dual::Dual;
+pub use eval::{Affines, F32, F64, Gradients, Intervals, Kind, LANES, Points, Precision, Rows, Workspace};
 pub use field::{Bindings, Field};
 pub use function::Function;
 pub use graph::{Graph, Input, LoopId, Node, NodeId};
 pub use interval::Interval;
 pub use op::{Binary, Unary};
 pub use real::{Real, Scalar, Wide32, Wide64};
+pub use tape::{Reading, Tape, TapeOptions};

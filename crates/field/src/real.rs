@@ -1,7 +1,7 @@
 //! Numbers that the domains are made of: `f64` and `f32`, one at a time or side by side in SIMD registers.
 
-use crate::domain::Domain;
 use crate::Function;
+use crate::domain::Domain;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -11,6 +11,11 @@ pub trait Scalar: Copy + Default + PartialOrd + Send + Sync + std::fmt::Debug + 
     fn from_f64(value: f64) -> Self;
     /// Exact.
     fn to_f64(self) -> f64;
+    /// Whether this is exactly `value`.
+    #[inline(always)]
+    fn to_f64_is(self, value: f64) -> bool {
+        self.to_f64() == value
+    }
 }
 
 impl Scalar for f64 {
@@ -46,10 +51,7 @@ pub trait Real:
     /// Proof that the processor has the instructions; `()` for single numbers.
     type Token: Copy;
     /// A truth value for each lane.
-    type Mask: Copy
-        + BitAnd<Output = Self::Mask>
-        + BitOr<Output = Self::Mask>
-        + Not<Output = Self::Mask>;
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
     /// How many numbers stand side by side.
     const LANES: usize;
     /// Distance from 1 to the next number: twice the largest relative error of one rounding.
@@ -370,7 +372,7 @@ wide_real!(
 /// A whole power by repeated squaring; exact wherever every step is.
 #[inline(always)]
 pub(crate) fn whole_power<R: Real>(base: R, n: i32) -> R {
-    let mut result = R::splat(base.token(), 1.0);
+    let mut result = R::splat(Real::token(base), 1.0);
     let mut square = base;
     let mut rest = n.unsigned_abs();
     while rest > 0 {
@@ -382,7 +384,7 @@ pub(crate) fn whole_power<R: Real>(base: R, n: i32) -> R {
             square = square * square;
         }
     }
-    if n < 0 { R::splat(base.token(), 1.0) / result } else { result }
+    if n < 0 { R::splat(Real::token(base), 1.0) / result } else { result }
 }
 
 /// |(a, b)| without overflow or underflow on the way.
@@ -390,10 +392,10 @@ pub(crate) fn whole_power<R: Real>(base: R, n: i32) -> R {
 pub(crate) fn length2<R: Real>(a: R, b: R) -> R {
     let (a, b) = (a.magnitude(), b.magnitude());
     let (large, small) = (a.greater(b), a.lesser(b));
-    let zero = R::splat(a.token(), 0.0);
+    let zero = R::splat(Real::token(a), 0.0);
     let ratio = R::pick(zero.is_lt(large), small / large, zero);
-    let infinite = R::splat(a.token(), R::HUGE).is_lt(large);
-    let finite = large * (R::splat(a.token(), 1.0) + ratio * ratio).root();
+    let infinite = R::splat(Real::token(a), R::HUGE).is_lt(large);
+    let finite = large * (R::splat(Real::token(a), 1.0) + ratio * ratio).root();
     R::pick(infinite, large, finite)
 }
 
@@ -401,6 +403,10 @@ pub(crate) fn length2<R: Real>(a: R, b: R) -> R {
 impl<R: Real> Domain for R {
     type Real = R;
 
+    #[inline(always)]
+    fn token(self) -> R::Token {
+        Real::token(self)
+    }
     #[inline(always)]
     fn constant(token: R::Token, k: f64) -> Self {
         R::splat(token, k)
@@ -411,7 +417,7 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn truth(self) -> (R::Mask, R::Mask) {
-        let zero = self.is_eq(R::splat(self.token(), 0.0));
+        let zero = self.is_eq(R::splat(Real::token(self), 0.0));
         (!zero, zero)
     }
     #[inline(always)]
@@ -427,12 +433,24 @@ impl<R: Real> Domain for R {
         other
     }
     fn call(function: &dyn Function, arguments: &[Self], token: R::Token) -> Self {
-        R::from_lanes(token, |i| {
-            let mut point = [0.0; 16];
-            for (p, a) in point.iter_mut().zip(arguments) {
-                *p = a.lane(i);
-            }
-            function.value(&point[..arguments.len().min(16)])
+        let mut point = vec![0.0; arguments.len()];
+        R::from_lanes(token, |lane| {
+            read_lane(&mut point, arguments, lane);
+            function.value(&point)
+        })
+    }
+    fn call_derivative(
+        function: &dyn Function,
+        arguments: &[Self],
+        slopes: &[Self],
+        token: R::Token,
+    ) -> Self {
+        let mut point = vec![0.0; arguments.len()];
+        let mut gradient = vec![0.0; arguments.len()];
+        R::from_lanes(token, |lane| {
+            read_lane(&mut point, arguments, lane);
+            function.gradient(&point, &mut gradient);
+            gradient.iter().zip(slopes).map(|(g, s)| g * s.lane(lane)).sum()
         })
     }
 
@@ -454,7 +472,7 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn recip(self) -> Self {
-        R::splat(self.token(), 1.0) / self
+        R::splat(Real::token(self), 1.0) / self
     }
     #[inline(always)]
     fn exp(self) -> Self {
@@ -518,16 +536,16 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn trunc(self) -> Self {
-        let zero = R::splat(self.token(), 0.0);
+        let zero = R::splat(Real::token(self), 0.0);
         R::pick(self.is_lt(zero), self.round_up(), self.round_down())
     }
     #[inline(always)]
     fn sign(self) -> Self {
-        self.compare(R::splat(self.token(), 0.0))
+        self.compare(R::splat(Real::token(self), 0.0))
     }
     #[inline(always)]
     fn not(self) -> Self {
-        let t = self.token();
+        let t = Real::token(self);
         let truth = R::pick(self.is_eq(R::splat(t, 0.0)), R::splat(t, 1.0), R::splat(t, 0.0));
         R::pick(self.is_nan_mask(), self, truth)
     }
@@ -539,15 +557,17 @@ impl<R: Real> Domain for R {
     fn max(self, other: Self) -> Self {
         R::pick(self.is_nan_mask(), self, R::pick(other.is_lt(self), self, other))
     }
-    /// Without cancellation: 2ab/(a + b + √(a² + b²)) where a + b > 0.
+    /// Without cancellation: 2ab/(a + b + √(a² + b²)) where a + b > 0, divided through by the larger.
     #[inline(always)]
     fn rmin(self, other: Self) -> Self {
         let (sum, length) = (self + other, length2(self, other));
         let (a, b) = (self.lesser(other), self.greater(other));
-        let zero = R::splat(self.token(), 0.0);
-        let ratio = R::pick(R::splat(self.token(), R::HUGE).is_lt(sum), R::splat(self.token(), 0.5), b / (sum + length));
-        let stable = (a + a) * ratio;
-        R::pick(zero.is_lt(sum), stable, sum - length)
+        let k = |x| R::splat(Real::token(self), x);
+        let ratio = a / b;
+        // Both infinite: as for any two that are equal.
+        let ratio = R::pick(ratio.is_nan_mask(), k(1.0), ratio);
+        let stable = (a + a) / (k(1.0) + ratio + (k(1.0) + ratio * ratio).root());
+        R::pick(k(0.0).is_lt(sum), stable, sum - length)
     }
     #[inline(always)]
     fn rmax(self, other: Self) -> Self {
@@ -571,7 +591,7 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn compare(self, other: Self) -> Self {
-        let t = self.token();
+        let t = Real::token(self);
         let above = R::pick(other.is_lt(self), R::splat(t, 1.0), R::splat(t, 0.0));
         let order = R::pick(self.is_lt(other), R::splat(t, -1.0), above);
         either_nan(self, other, order)
@@ -590,10 +610,17 @@ impl<R: Real> Domain for R {
     }
 }
 
+/// The numbers that stand in one lane of the arguments.
+fn read_lane<R: Real>(point: &mut [f64], arguments: &[R], lane: usize) {
+    for (p, a) in point.iter_mut().zip(arguments) {
+        *p = a.lane(lane);
+    }
+}
+
 /// 1 where the mask is set, 0 elsewhere, NaN where an operand is.
 #[inline(always)]
 fn truth_value<R: Real>(a: R, b: R, mask: R::Mask) -> R {
-    let t = a.token();
+    let t = Real::token(a);
     either_nan(a, b, R::pick(mask, R::splat(t, 1.0), R::splat(t, 0.0)))
 }
 

@@ -18,7 +18,8 @@ pub fn evaluate<D: Domain>(
     input: impl Fn(Input) -> D,
     fuel: u32,
 ) -> Vec<D> {
-    let mut reference = Reference { graph, token, input, fuel, values: vec![None; graph.len()], carried: Vec::new() };
+    let mut reference =
+        Reference { graph, token, input, fuel, values: vec![None; graph.len()], carried: Vec::new() };
     outputs.iter().map(|&o| reference.value(o)).collect()
 }
 
@@ -39,7 +40,8 @@ impl<D: Domain, I: Fn(Input) -> D> Reference<'_, D, I> {
                 stack.pop();
                 continue;
             }
-            let missing: Vec<NodeId> = self.reads(n).into_iter().filter(|o| self.values[o.0 as usize].is_none()).collect();
+            let missing: Vec<NodeId> =
+                self.reads(n).into_iter().filter(|o| self.values[o.0 as usize].is_none()).collect();
             if missing.is_empty() {
                 let value = self.compute(n);
                 self.values[n.0 as usize] = Some(value);

@@ -41,9 +41,23 @@ fn polynomial<R: Real>(z: R, coefficients: &[f64; 6]) -> R {
 pub(crate) fn sin_cos<R: Real>(x: R) -> (R, R) {
     let t = x.token();
     let constant = |k| R::splat(t, k);
-    if R::ULP != f64::EPSILON || R::any(!x.magnitude().is_le(constant(LARGEST))) {
+    if R::ULP != f64::EPSILON {
         return (x.map(f64::sin), x.map(f64::cos));
     }
+    // Chosen lane by lane, so that no value depends on its neighbours.
+    let far = !x.magnitude().is_le(constant(LARGEST));
+    let (sine, cosine) = reduced_sin_cos(x);
+    if R::any(far) {
+        return (R::pick(far, x.map(f64::sin), sine), R::pick(far, x.map(f64::cos), cosine));
+    }
+    (sine, cosine)
+}
+
+/// (sin x, cos x) for |x| ≤ [`LARGEST`].
+#[inline(always)]
+fn reduced_sin_cos<R: Real>(x: R) -> (R, R) {
+    let t = x.token();
+    let constant = |k| R::splat(t, k);
     let turns = (x * constant(std::f64::consts::FRAC_2_PI) + constant(0.5)).round_down();
     let reduced = HALF_PI.iter().fold(x, |rest, &part| rest - turns * constant(part));
     let z = reduced * reduced;

@@ -4,6 +4,9 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
 
+/// A front end stops after this many errors: what follows is rarely about the text's own faults.
+pub(crate) const MAX_ERRORS: usize = 20;
+
 /// A named text.
 #[derive(Clone, Debug)]
 pub struct Source {
@@ -90,6 +93,14 @@ pub struct Diagnostics {
     pub source: Source,
     /// The messages.
     pub list: Vec<Diagnostic>,
+}
+
+impl Diagnostics {
+    /// The messages about a source, put in the order of its text.
+    pub(crate) fn in_order(source: &Source, mut list: Vec<Diagnostic>) -> Self {
+        list.sort_by_key(|diagnostic| diagnostic.span.start);
+        Self { source: source.clone(), list }
+    }
 }
 
 impl fmt::Display for Diagnostics {

@@ -67,3 +67,32 @@ pub struct Model {
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
 }
+
+impl Model {
+    /// The model of a text that is one function: f < 0 inside, z up, no attributes; coordinate 4 where it is read.
+    pub(crate) fn plain(
+        name: &str,
+        field: Field,
+        parameters: Vec<Parameter>,
+        warnings: Vec<Diagnostic>,
+    ) -> Self {
+        let used = field.inputs().into_iter().map(|input| match input {
+            Input::Coordinate(k) => usize::from(k) + 1,
+            _ => 0,
+        });
+        let coordinates = used.fold(3, usize::max);
+        let object =
+            Object { name: name.to_owned(), coordinates, parameters: parameters.len(), attributes: None };
+        Self {
+            field,
+            name: name.to_owned(),
+            objects: vec![object],
+            coordinates,
+            has_attributes: false,
+            parameters,
+            sign: FileSign::NegativeInside,
+            up: UpAxis::Z,
+            warnings,
+        }
+    }
+}

@@ -1,1 +1,14 @@
-//! First hits of rays with fields, with a certificate.
+//! First hits of rays with fields, each with a certificate of what it rests on.
+//!
+//! [`Tracer::first_hits`] takes a [`Tape`](fieldstone_field::Tape) and a bundle of [`Ray`]s. The default method marches
+//! from the front with mixed affine forms and proves that nothing was missed; dichotomy with intervals and plain
+//! sampling are there for comparison, and for black boxes.
+
+mod bundle;
+mod march;
+mod ray;
+mod sampled;
+mod solver;
+
+pub use bundle::Tracer;
+pub use ray::{Certificate, Hit, Method, Outcome, Ray, Settings};

@@ -5,8 +5,9 @@ use super::lexer::Symbol;
 use super::library::Kind;
 use super::parser::{Parsed, Parser};
 use super::report::Span;
-use super::{builtins, hints, library};
+use super::{builtins, library};
 use crate::diagnostic::Diagnostic;
+use crate::suggest;
 
 /// An argument of a call.
 pub(super) struct Passed {
@@ -60,7 +61,7 @@ fn unknown(parser: &Parser<'_>, name: Symbol, span: Span) -> Diagnostic {
         known.push(name);
     }
     let error = error(format!("there is no function `{text}`"), "unknown function");
-    match hints::nearest(text, known) {
+    match suggest::closest(text, known) {
         Some(near) => error.with_help(format!("did you mean `{near}`?")),
         None => error,
     }

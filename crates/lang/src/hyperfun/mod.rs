@@ -28,6 +28,7 @@ mod strict;
 use crate::Dialect;
 use crate::diagnostic::{Diagnostic, Diagnostics, Source};
 use crate::model::{FileSign, Model, Object, Parameter, UpAxis};
+use crate::suggest;
 use fieldstone_field::{Field, Input};
 use lower::Lowered;
 use report::{Report, Span};
@@ -82,7 +83,7 @@ fn choose(objects: &[ast::Object], wanted: Option<&str>, report: &mut Report) ->
     let found = find(&wanted);
     if found.is_none() {
         let names = || objects.iter().map(|o| o.name.as_str());
-        let help = match hints::nearest(&wanted, names()) {
+        let help = match suggest::closest(&wanted, names()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => "choose one of the objects above".to_owned(),
         };

@@ -9,6 +9,7 @@ use super::report::{Report, Span};
 use super::{builtins, expression, hints, library};
 use crate::Dialect;
 use crate::diagnostic::Diagnostic;
+use crate::suggest;
 use std::collections::HashMap;
 
 /// How deep `if` and `while` may be nested in a text.
@@ -618,7 +619,7 @@ impl<'s> Parser<'s> {
         let error = Diagnostic::error(span.range(), format!("`{text}` is not an array"), "unknown array");
         let arrays =
             self.scope.slots.iter().filter(|slot| slot.length.is_some()).map(|slot| slot.name.as_str());
-        let help = match hints::nearest(&text, arrays) {
+        let help = match suggest::closest(&text, arrays) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("arrays are declared before they are used: `array {text}[3];`"),
         };
@@ -681,7 +682,7 @@ impl<'s> Parser<'s> {
             "it gets its value only further down".to_owned()
         } else if let Some(help) = hints::foreign_value(&text) {
             help.to_owned()
-        } else if let Some(near) = hints::nearest(&text, known) {
+        } else if let Some(near) = suggest::closest(&text, known) {
             format!("did you mean `{near}`?")
         } else {
             format!("assign it first: `{text} = …;`")

@@ -1,0 +1,649 @@
+//! Tapes: programs as linear code over registers.
+//!
+//! A [`Graph`] is scheduled so that few values are alive at a time, constants and inputs that do not vary over a block
+//! are kept in a table, and registers are given out by a linear scan. The code before register allocation, in which
+//! every value is assigned once, is kept for [`Tape::specialise`].
+
+use crate::field::{Bindings, Field};
+use crate::function::Function;
+use crate::graph::{Graph, Input, LoopId, Node, NodeId};
+use crate::op::{Binary, Unary};
+use crate::reference::DEFAULT_FUEL;
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// Where an operand comes from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Operand {
+    /// A value; after allocation, a register.
+    Value(u32),
+    /// A place in the table of constants.
+    Constant(u32),
+}
+
+/// What an instruction does.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Op {
+    Unary(Unary),
+    Powi(i32),
+    Binary(Binary),
+    Select,
+    /// A call of the function with this number; its arguments stand in the table of arguments.
+    Call {
+        function: u32,
+        arguments: u32,
+    },
+    Loop(u32),
+}
+
+/// One instruction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Instruction {
+    pub(crate) op: Op,
+    pub(crate) operands: [Operand; 3],
+    pub(crate) result: u32,
+    /// Whether nothing but the sign of the result is ever read.
+    pub(crate) sign_only: bool,
+}
+
+/// A data-dependent loop.
+#[derive(Clone, Debug)]
+pub(crate) struct LoopCode {
+    pub(crate) carried: Vec<u32>,
+    pub(crate) results: Vec<u32>,
+    /// Where the next carried values wait until all are known.
+    pub(crate) waiting: Vec<u32>,
+    pub(crate) initial: Vec<Operand>,
+    pub(crate) test: Vec<Instruction>,
+    pub(crate) condition: Operand,
+    pub(crate) body: Vec<Instruction>,
+    pub(crate) next: Vec<Operand>,
+}
+
+/// Code with its loops and argument lists.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Code {
+    pub(crate) instructions: Vec<Instruction>,
+    pub(crate) loops: Vec<LoopCode>,
+    pub(crate) arguments: Vec<Vec<Operand>>,
+    pub(crate) outputs: Vec<Operand>,
+}
+
+/// What the first output is used for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Reading {
+    /// The value itself.
+    #[default]
+    Value,
+    /// Only where it is negative, zero or positive. R-operations may then be replaced by the operand that decides.
+    Sign,
+}
+
+/// What to compile.
+#[derive(Clone, Debug)]
+pub struct TapeOptions {
+    /// The inputs that differ from lane to lane, in the order in which evaluators take them; usually x, y, z.
+    pub varying: Vec<Input>,
+    /// The values of all other inputs.
+    pub bindings: Bindings,
+    /// Whether to compute the attributes too; they follow the value.
+    pub attributes: bool,
+    /// What the value is used for.
+    pub reading: Reading,
+    /// How often a data-dependent loop may turn at one point.
+    pub fuel: u32,
+}
+
+impl Default for TapeOptions {
+    fn default() -> Self {
+        Self {
+            varying: (0..3).map(Input::Coordinate).collect(),
+            bindings: Bindings::default(),
+            attributes: false,
+            reading: Reading::Value,
+            fuel: DEFAULT_FUEL,
+        }
+    }
+}
+
+/// A program as linear code, ready to be evaluated over any domain.
+#[derive(Clone, Debug)]
+pub struct Tape {
+    pub(crate) code: Code,
+    /// The same code over registers.
+    pub(crate) run: Code,
+    pub(crate) register_count: u32,
+    pub(crate) value_count: u32,
+    pub(crate) input_count: u32,
+    pub(crate) constants: Arc<Vec<f64>>,
+    uniforms: Arc<Vec<(Input, u32)>>,
+    pub(crate) functions: Arc<Vec<Arc<dyn Function>>>,
+    pub(crate) fuel: u32,
+}
+
+impl Tape {
+    /// Compiles a field.
+    pub fn new(field: &Field, options: &TapeOptions) -> Self {
+        let mut outputs = vec![field.value()];
+        if options.attributes {
+            outputs.extend(field.attributes());
+        }
+        let mut compiler = Compiler::new(field.graph(), options);
+        let instructions = compiler.block(&outputs);
+        let outputs = outputs.iter().map(|&o| compiler.operand(o)).collect();
+        let code = Code { instructions, loops: compiler.loops, arguments: compiler.arguments, outputs };
+        let mut tape = Self {
+            run: Code::default(),
+            code,
+            register_count: 0,
+            value_count: compiler.value_count,
+            input_count: options.varying.len() as u32,
+            constants: Arc::new(compiler.constants),
+            uniforms: Arc::new(compiler.uniforms),
+            functions: Arc::new(field.graph().functions.clone()),
+            fuel: options.fuel,
+        };
+        if options.reading == Reading::Sign {
+            tape.mark_sign_only();
+        }
+        tape.allocate();
+        tape
+    }
+
+    /// The number of instructions, those inside loops counted once.
+    pub fn len(&self) -> usize {
+        let in_loops: usize = self.code.loops.iter().map(|l| l.test.len() + l.body.len()).sum();
+        self.code.instructions.len() + in_loops
+    }
+
+    /// Whether there is nothing to compute: the outputs are constants or inputs.
+    pub fn is_empty(&self) -> bool {
+        self.code.instructions.is_empty()
+    }
+
+    /// Whether the tape calls a function of which nothing but values is known.
+    pub fn has_black_box(&self) -> bool {
+        self.functions.iter().any(|f| f.is_black_box())
+    }
+
+    /// The number of outputs.
+    pub fn output_count(&self) -> usize {
+        self.code.outputs.len()
+    }
+
+    /// Changes the value of an input that does not vary; nothing is compiled anew.
+    pub fn bind(&mut self, input: Input, value: f64) {
+        for &(known, place) in self.uniforms.iter() {
+            if known == input {
+                Arc::make_mut(&mut self.constants)[place as usize] = value;
+            }
+        }
+    }
+
+    /// Finds the values of which only the sign is read: the first output, and what set operations hand on.
+    fn mark_sign_only(&mut self) {
+        // For every value: read as a whole by someone.
+        let mut whole = vec![false; self.value_count as usize];
+        let mark = |operand: &Operand, whole: &mut Vec<bool>| {
+            if let Operand::Value(v) = operand {
+                whole[*v as usize] = true;
+            }
+        };
+        for output in &self.code.outputs[1..] {
+            mark(output, &mut whole);
+        }
+        for l in &self.code.loops {
+            l.for_each_operand(&mut |o| mark(o, &mut whole));
+        }
+        self.code.arguments.iter().flatten().for_each(|o| mark(o, &mut whole));
+        for instruction in self.code.instructions.iter_mut().rev() {
+            instruction.sign_only = !whole[instruction.result as usize];
+            let hands_on = match instruction.op {
+                Op::Unary(Unary::Neg) => 0,
+                Op::Binary(Binary::Min | Binary::Max | Binary::RMin | Binary::RMax) => 0,
+                // The condition is read as a whole, the branches are handed on.
+                Op::Select => 1,
+                _ => 3,
+            };
+            let read_whole = if instruction.sign_only { hands_on } else { 3 };
+            for operand in &instruction.operands[..read_whole] {
+                mark(operand, &mut whole);
+            }
+        }
+    }
+
+    /// The tape that is left where only some operands can matter.
+    ///
+    /// `choice` gives, for the place of an instruction, which of its operands may be taken: bit 0 the first, bit 1
+    /// the second, as [`Workspace::run_traced`](crate::Workspace::run_traced) records them. The result agrees with
+    /// this tape wherever these choices are right; under [`Reading::Sign`] in sign.
+    pub fn specialise(&self, choice: impl Fn(usize) -> u8) -> Tape {
+        let mut alias: Vec<Operand> = (0..self.value_count).map(Operand::Value).collect();
+        let resolve = |alias: &[Operand], o: Operand| match o {
+            Operand::Value(v) => alias[v as usize],
+            constant => constant,
+        };
+        let mut kept = Vec::with_capacity(self.code.instructions.len());
+        for (i, instruction) in self.code.instructions.iter().enumerate() {
+            let mut instruction = *instruction;
+            instruction.operands = instruction.operands.map(|o| resolve(&alias, o));
+            let [a, b, c] = instruction.operands;
+            let taken = match (instruction.op, choice(i)) {
+                (Op::Binary(_), 1) => Some(a),
+                (Op::Binary(_), 2) => Some(b),
+                (Op::Select, 1) => Some(b),
+                (Op::Select, 2) => Some(c),
+                (Op::Unary(Unary::Abs), 1) => Some(a),
+                (Op::Unary(Unary::Abs), 2) => {
+                    instruction.op = Op::Unary(Unary::Neg);
+                    None
+                }
+                _ => None,
+            };
+            match taken {
+                Some(operand) => alias[instruction.result as usize] = operand,
+                None => kept.push(instruction),
+            }
+        }
+        self.rebuilt(kept, |o| resolve(&alias, o))
+    }
+
+    /// A tape of the live ones among `instructions`, all other operands read through `resolve`.
+    fn rebuilt(&self, mut instructions: Vec<Instruction>, resolve: impl Fn(Operand) -> Operand) -> Tape {
+        let outputs: Vec<Operand> = self.code.outputs.iter().map(|&o| resolve(o)).collect();
+        let mut live = vec![false; self.value_count as usize];
+        let mark = |o: Operand, live: &mut Vec<bool>| {
+            if let Operand::Value(v) = o {
+                live[v as usize] = true;
+            }
+        };
+        outputs.iter().for_each(|&o| mark(o, &mut live));
+        let mut keep = vec![false; instructions.len()];
+        for (i, instruction) in instructions.iter().enumerate().rev() {
+            keep[i] = match instruction.op {
+                Op::Loop(l) => self.code.loops[l as usize].results.iter().any(|&r| live[r as usize]),
+                _ => live[instruction.result as usize],
+            };
+            if !keep[i] {
+                continue;
+            }
+            instruction.operands.iter().for_each(|&o| mark(o, &mut live));
+            match instruction.op {
+                Op::Loop(l) => self.mark_loop(l, &mut |o| mark(resolve(o), &mut live)),
+                Op::Call { arguments, .. } => {
+                    self.code.arguments[arguments as usize].iter().for_each(|&o| mark(resolve(o), &mut live));
+                }
+                _ => {}
+            }
+        }
+        let mut index = 0;
+        instructions.retain(|_| {
+            index += 1;
+            keep[index - 1]
+        });
+        let mut loops = self.code.loops.clone();
+        loops.iter_mut().for_each(|l| l.map_operands(&resolve));
+        let arguments =
+            self.code.arguments.iter().map(|list| list.iter().map(|&o| resolve(o)).collect()).collect();
+        let mut tape = Tape {
+            code: Code { instructions, loops, arguments, outputs },
+            run: Code::default(),
+            ..self.clone_shared()
+        };
+        tape.allocate();
+        tape
+    }
+
+    fn clone_shared(&self) -> Tape {
+        Tape {
+            code: Code::default(),
+            run: Code::default(),
+            register_count: 0,
+            value_count: self.value_count,
+            input_count: self.input_count,
+            constants: self.constants.clone(),
+            uniforms: self.uniforms.clone(),
+            functions: self.functions.clone(),
+            fuel: self.fuel,
+        }
+    }
+
+    /// Everything that a loop, and the loops inside it, read.
+    fn mark_loop(&self, l: u32, mark: &mut impl FnMut(Operand)) {
+        let code = &self.code.loops[l as usize];
+        code.for_each_operand(&mut |&o| mark(o));
+        for instruction in code.test.iter().chain(&code.body) {
+            match instruction.op {
+                Op::Loop(inner) => self.mark_loop(inner, mark),
+                Op::Call { arguments, .. } => {
+                    self.code.arguments[arguments as usize].iter().for_each(|&o| mark(o));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Gives every value a register.
+    fn allocate(&mut self) {
+        let mut allocator = Allocator {
+            code: &self.code,
+            register: vec![u32::MAX; self.value_count as usize],
+            free: Vec::new(),
+            count: self.input_count,
+        };
+        for i in 0..self.input_count {
+            allocator.register[i as usize] = i;
+        }
+        let kept: Vec<Operand> = self.code.outputs.clone();
+        allocator.block(&self.code.instructions, &kept);
+        let (register, count) = (allocator.register, allocator.count);
+        let to_register = |o: Operand| match o {
+            Operand::Value(v) => Operand::Value(register[v as usize]),
+            constant => constant,
+        };
+        let mut run = self.code.clone();
+        run.map_registers(&to_register, &|v| register[v as usize]);
+        self.register_count = count;
+        self.run = run;
+    }
+}
+
+impl LoopCode {
+    fn for_each_operand(&self, f: &mut impl FnMut(&Operand)) {
+        self.initial.iter().chain(&self.next).chain([&self.condition]).for_each(&mut *f);
+        self.test.iter().chain(&self.body).flat_map(|i| &i.operands).for_each(f);
+    }
+
+    fn map_operands(&mut self, f: &impl Fn(Operand) -> Operand) {
+        let lists = self.initial.iter_mut().chain(&mut self.next).chain([&mut self.condition]);
+        let code = self.test.iter_mut().chain(&mut self.body).flat_map(|i| &mut i.operands);
+        lists.chain(code).for_each(|o| *o = f(*o));
+    }
+}
+
+impl Code {
+    fn map_registers(&mut self, operand: &impl Fn(Operand) -> Operand, value: &impl Fn(u32) -> u32) {
+        for instruction in &mut self.instructions {
+            instruction.operands = instruction.operands.map(operand);
+            instruction.result = value(instruction.result);
+        }
+        self.outputs.iter_mut().for_each(|o| *o = operand(*o));
+        self.arguments.iter_mut().flatten().for_each(|o| *o = operand(*o));
+        for l in &mut self.loops {
+            l.map_operands(operand);
+            let results = l.test.iter_mut().chain(&mut l.body).map(|i| &mut i.result);
+            let values = l.carried.iter_mut().chain(&mut l.results).chain(&mut l.waiting);
+            results.chain(values).for_each(|v| *v = value(*v));
+        }
+    }
+}
+
+/// Registers by linear scan; a loop is one instruction that holds all it needs until it ends.
+struct Allocator<'c> {
+    code: &'c Code,
+    register: Vec<u32>,
+    free: Vec<u32>,
+    count: u32,
+}
+
+impl Allocator<'_> {
+    fn give(&mut self, value: u32) {
+        let register = self.free.pop().unwrap_or_else(|| {
+            self.count += 1;
+            self.count - 1
+        });
+        self.register[value as usize] = register;
+    }
+
+    /// What an instruction reads that was made outside it.
+    fn reads(&self, instruction: &Instruction) -> Vec<u32> {
+        let mut reads = Vec::with_capacity(3);
+        self.collect_reads(instruction, &mut reads);
+        reads
+    }
+
+    fn collect_reads(&self, instruction: &Instruction, reads: &mut Vec<u32>) {
+        let mut push = |o: &Operand| {
+            if let Operand::Value(v) = o {
+                reads.push(*v);
+            }
+        };
+        match instruction.op {
+            Op::Loop(l) => {
+                let code = &self.code.loops[l as usize];
+                code.for_each_operand(&mut push);
+                for inner in code.test.iter().chain(&code.body) {
+                    if matches!(inner.op, Op::Loop(_) | Op::Call { .. }) {
+                        self.collect_reads(inner, reads);
+                    }
+                }
+            }
+            Op::Call { arguments, .. } => self.code.arguments[arguments as usize].iter().for_each(push),
+            _ => instruction.operands.iter().for_each(push),
+        }
+    }
+
+    /// Allocates a block; `kept` must survive it. Values made outside the block are not freed in it.
+    fn block(&mut self, instructions: &[Instruction], kept: &[Operand]) {
+        let mut last_read: FxHashMap<u32, usize> = FxHashMap::default();
+        for (i, instruction) in instructions.iter().enumerate() {
+            for v in self.reads(instruction) {
+                last_read.insert(v, i);
+            }
+        }
+        for o in kept {
+            if let Operand::Value(v) = o {
+                last_read.insert(*v, usize::MAX);
+            }
+        }
+        let mut made: Vec<u32> = Vec::new();
+        let mut own: rustc_hash::FxHashSet<u32> = Default::default();
+        for (i, instruction) in instructions.iter().enumerate() {
+            let results: Vec<u32> = match instruction.op {
+                Op::Loop(l) => {
+                    self.inner_loop(l);
+                    self.code.loops[l as usize].results.clone()
+                }
+                _ => Vec::new(),
+            };
+            // What is read here for the last time may lend its register to the result.
+            for v in self.reads(instruction) {
+                if last_read.get(&v) == Some(&i) && own.remove(&v) {
+                    self.free.push(self.register[v as usize]);
+                }
+            }
+            let simple = if results.is_empty() && !matches!(instruction.op, Op::Loop(_)) {
+                self.give(instruction.result);
+                vec![instruction.result]
+            } else {
+                results
+            };
+            for v in simple {
+                made.push(v);
+                if last_read.contains_key(&v) {
+                    own.insert(v);
+                } else {
+                    self.free.push(self.register[v as usize]);
+                }
+            }
+        }
+        // The block's values end with it, but for those kept, whose owner frees them.
+        for v in made {
+            if own.contains(&v) && last_read.get(&v) != Some(&usize::MAX) {
+                self.free.push(self.register[v as usize]);
+            }
+        }
+    }
+
+    fn inner_loop(&mut self, l: u32) {
+        let code = &self.code.loops[l as usize];
+        let (carried, waiting, results) = (code.carried.clone(), code.waiting.clone(), code.results.clone());
+        carried.iter().chain(&waiting).chain(&results).for_each(|&v| self.give(v));
+        let all: Vec<Instruction> = code.test.iter().chain(&code.body).copied().collect();
+        let kept: Vec<Operand> = code.next.iter().copied().chain([code.condition]).collect();
+        self.block(&all, &kept);
+        let inside: rustc_hash::FxHashSet<u32> = all.iter().map(|i| i.result).collect();
+        let mut freed: rustc_hash::FxHashSet<u32> = Default::default();
+        for o in kept {
+            if let Operand::Value(v) = o {
+                if inside.contains(&v) && freed.insert(v) {
+                    self.free.push(self.register[v as usize]);
+                }
+            }
+        }
+        carried.iter().chain(&waiting).for_each(|&v| self.free.push(self.register[v as usize]));
+    }
+}
+
+/// Turns a graph into code.
+struct Compiler<'g> {
+    graph: &'g Graph,
+    /// The operand of every node that has one by now.
+    operands: Vec<Option<Operand>>,
+    /// How many registers a node's tree needs, roughly (Sethi and Ullman 1970).
+    needs: Vec<u16>,
+    constants: Vec<f64>,
+    constant_places: FxHashMap<u64, u32>,
+    uniforms: Vec<(Input, u32)>,
+    options: &'g TapeOptions,
+    loops: Vec<LoopCode>,
+    arguments: Vec<Vec<Operand>>,
+    value_count: u32,
+}
+
+impl<'g> Compiler<'g> {
+    fn new(graph: &'g Graph, options: &'g TapeOptions) -> Self {
+        let mut needs = vec![1u16; graph.len()];
+        for n in 0..graph.len() {
+            let mut of: Vec<u16> = graph.nodes[n].operands().iter().map(|o| needs[o.0 as usize]).collect();
+            of.sort_unstable_by(|a, b| b.cmp(a));
+            needs[n] =
+                of.iter().enumerate().map(|(i, need)| need.saturating_add(i as u16)).max().unwrap_or(1);
+        }
+        Self {
+            graph,
+            operands: vec![None; graph.len()],
+            needs,
+            constants: Vec::new(),
+            constant_places: FxHashMap::default(),
+            uniforms: Vec::new(),
+            options,
+            loops: Vec::new(),
+            arguments: Vec::new(),
+            value_count: options.varying.len() as u32,
+        }
+    }
+
+    fn new_value(&mut self) -> u32 {
+        self.value_count += 1;
+        self.value_count - 1
+    }
+
+    fn constant(&mut self, value: f64) -> Operand {
+        let next = self.constants.len() as u32;
+        let place = *self.constant_places.entry(value.to_bits()).or_insert(next);
+        if place == next {
+            self.constants.push(value);
+        }
+        Operand::Constant(place)
+    }
+
+    fn input(&mut self, input: Input) -> Operand {
+        if let Some(place) = self.options.varying.iter().position(|v| *v == input) {
+            return Operand::Value(place as u32);
+        }
+        // A place of its own, so that binding the input changes nothing else.
+        let place = self.constants.len() as u32;
+        self.constants.push(self.options.bindings.get(input));
+        self.uniforms.push((input, place));
+        Operand::Constant(place)
+    }
+
+    fn operand(&self, n: NodeId) -> Operand {
+        self.operands[n.0 as usize].unwrap_or(Operand::Constant(0))
+    }
+
+    /// The code for `roots`, in an order that keeps few values alive.
+    fn block(&mut self, roots: &[NodeId]) -> Vec<Instruction> {
+        let mut code = Vec::new();
+        let mut stack: Vec<NodeId> = roots.iter().rev().copied().collect();
+        while let Some(&n) = stack.last() {
+            if self.operands[n.0 as usize].is_some() {
+                stack.pop();
+                continue;
+            }
+            let mut missing = match self.graph.node(n) {
+                Node::LoopOut(l, _) => self.graph.loop_free_nodes(*l),
+                other => other.operands(),
+            };
+            missing.retain(|o| self.operands[o.0 as usize].is_none());
+            if missing.is_empty() {
+                stack.pop();
+                self.emit(n, &mut code);
+            } else {
+                // The last one pushed comes first: the neediest.
+                missing.sort_by_key(|o| self.needs[o.0 as usize]);
+                stack.extend(missing);
+            }
+        }
+        code
+    }
+
+    fn emit(&mut self, n: NodeId, code: &mut Vec<Instruction>) {
+        let none = Operand::Constant(0);
+        let (op, operands) = match self.graph.node(n).clone() {
+            Node::Constant(bits) => {
+                let operand = self.constant(f64::from_bits(bits));
+                self.operands[n.0 as usize] = Some(operand);
+                return;
+            }
+            Node::Input(input) => {
+                let operand = self.input(input);
+                self.operands[n.0 as usize] = Some(operand);
+                return;
+            }
+            Node::LoopVar(..) => return,
+            Node::LoopOut(l, _) => return self.emit_loop(l, code),
+            Node::Unary(op, a) => (Op::Unary(op), [self.operand(a), none, none]),
+            Node::Powi(a, k) => (Op::Powi(k), [self.operand(a), none, none]),
+            Node::Binary(op, a, b) => (Op::Binary(op), [self.operand(a), self.operand(b), none]),
+            Node::Select(c, a, b) => (Op::Select, [self.operand(c), self.operand(a), self.operand(b)]),
+            Node::Call(function, list) => {
+                let list = list.iter().map(|&a| self.operand(a)).collect();
+                self.arguments.push(list);
+                (Op::Call { function, arguments: self.arguments.len() as u32 - 1 }, [none; 3])
+            }
+        };
+        let result = self.new_value();
+        self.operands[n.0 as usize] = Some(Operand::Value(result));
+        code.push(Instruction { op, operands, result, sign_only: false });
+    }
+
+    fn emit_loop(&mut self, l: LoopId, code: &mut Vec<Instruction>) {
+        let source = self.graph.loops[l.0 as usize].clone();
+        let count = source.initial.len();
+        let mut fresh = || (0..count).map(|_| self.new_value()).collect::<Vec<u32>>();
+        let (carried, results, waiting) = (fresh(), fresh(), fresh());
+        for (n, node) in self.graph.nodes.iter().enumerate() {
+            match node {
+                Node::LoopVar(id, i) if *id == l => {
+                    self.operands[n] = Some(Operand::Value(carried[*i as usize]))
+                }
+                Node::LoopOut(id, i) if *id == l => {
+                    self.operands[n] = Some(Operand::Value(results[*i as usize]))
+                }
+                _ => {}
+            }
+        }
+        let initial = source.initial.iter().map(|&n| self.operand(n)).collect();
+        let test = self.block(&[source.condition]);
+        let body = self.block(&source.next);
+        let condition = self.operand(source.condition);
+        let next = source.next.iter().map(|&n| self.operand(n)).collect();
+        self.loops.push(LoopCode { carried, results, waiting, initial, test, condition, body, next });
+        let number = self.loops.len() as u32 - 1;
+        let result = self.new_value();
+        let none = Operand::Constant(0);
+        code.push(Instruction { op: Op::Loop(number), operands: [none; 3], result, sign_only: false });
+    }
+}

@@ -1,0 +1,209 @@
+//! Noise and waves: Gardner's series of sines, Perlin's gradient noise, and a sawtooth.
+
+use super::call::{Call, Failure, Outcome};
+use super::expression::{Expr, Vector};
+use fieldstone_field::{Function, Interval};
+use std::sync::{Arc, LazyLock};
+
+/// hfNoiseG: Gardner's series.
+pub(super) fn gardner<'g>(call: &mut Call<'g>) -> Outcome<'g> {
+    let [amplitude, frequency, phase] = call.reals(1);
+    Ok(gardner_series(call.point(0)?, amplitude, frequency, phase))
+}
+
+/// The product of a two-term series in each coordinate; the second term's phase is the sine of another coordinate.
+fn gardner_series<'g>(p: Vector<'g>, amplitude: Expr<'g>, frequency: Expr<'g>, phase: Expr<'g>) -> Expr<'g> {
+    let q = p.map(|x| x * frequency);
+    let sines = q.map(Expr::sin).0;
+    let second = amplitude / 1.17;
+    let [x, y, z] =
+        [0, 1, 2].map(|k| amplitude * sines[k] + second * (q.0[k] / 1.35 + phase * sines[(k + 2) % 3]).sin());
+    x * y * z
+}
+
+/// hfA_NoiseG: Gardner's series of amplitude 1, mapped from its range to \[0, 1\].
+pub(super) fn unit_gardner<'g>(call: &mut Call<'g>) -> Outcome<'g> {
+    Ok(unit_gardner_at(call.point(0)?, call.real(1), call.real(2)))
+}
+
+pub(super) fn unit_gardner_at<'g>(p: Vector<'g>, frequency: Expr<'g>, phase: Expr<'g>) -> Expr<'g> {
+    let range = (2.17f64 / 1.17).powi(3);
+    (gardner_series(p, frequency.number(1.0), frequency, phase) + range) / (2.0 * range)
+}
+
+/// hfA_NoiseP: Perlin's gradient noise.
+pub(super) fn perlin<'g>(call: &mut Call<'g>) -> Outcome<'g> {
+    Ok(perlin_at(call.point(0)?))
+}
+
+fn perlin_at(p: Vector<'_>) -> Expr<'_> {
+    let [x, y, z] = p.0;
+    x.call(&PERLIN, &[y, z])
+}
+
+/// hfA_Turbulence: Σ |2·NoiseP(F·x) − 1|/F for F = freq, freq/2, … down to 1.
+pub(super) fn turbulence<'g>(call: &mut Call<'g>) -> Outcome<'g> {
+    let x = call.point(0)?;
+    let mut frequency = call.constant(1)?;
+    if frequency == f64::INFINITY {
+        return Err(Failure::Message(format!("`{}` must be finite", call.name(1))));
+    }
+    let mut octaves = Vec::new();
+    while frequency >= 1.0 {
+        octaves.push((2.0 * perlin_at(x.map(|x| x * frequency)) - 1.0).abs() / frequency);
+        frequency /= 2.0;
+    }
+    Ok(call.sum(octaves))
+}
+
+/// hfSawtooth: the first n − 1 terms of the Fourier series of a sawtooth, (2/πa)(1/2 − Σ sin(2πift)/i).
+pub(super) fn sawtooth<'g>(call: &mut Call<'g>) -> Outcome<'g> {
+    const MOST_TERMS: f64 = 4096.0;
+    let [time, _, amplitude, frequency] = call.reals(0);
+    let count = call.constant(1)?.trunc();
+    if count <= 1.0 {
+        return Ok(call.number(0.0));
+    }
+    if count.is_nan() || count > MOST_TERMS {
+        return Err(format!("`{}` must be at most {MOST_TERMS}, not {count}", call.name(1)).into());
+    }
+    let turn = time * frequency * std::f64::consts::TAU;
+    let waves = (1..count as u32).map(|i| (turn * f64::from(i)).sin() / f64::from(i));
+    Ok(2.0 / (amplitude * std::f64::consts::PI) * (0.5 - call.sum(waves)))
+}
+
+pub(super) static PERLIN: LazyLock<Arc<dyn Function>> = LazyLock::new(|| Arc::new(Perlin::new()));
+
+/// The number of cells after which the noise repeats.
+const PERIOD: usize = 256;
+
+/// Perlin's gradient noise (SIGGRAPH 1985, the version with the fade 3t² − 2t³).
+///
+/// The C library fills its tables from `rand()`, so that its values differ from platform to platform. Here they come
+/// from SplitMix64 with seed 0: first the gradients, each from three numbers in \[−1, 1) that are drawn again
+/// outside the unit ball, then a Fisher–Yates shuffle of the permutation.
+struct Perlin {
+    permutation: [u8; PERIOD],
+    gradients: [[f64; 3]; PERIOD],
+}
+
+/// The noise of one cell: the gradients of its corners, and the position in it.
+struct Cell {
+    corners: [[f64; 3]; 8],
+    fraction: [f64; 3],
+}
+
+impl Perlin {
+    fn new() -> Self {
+        let mut state = 0u64;
+        let gradients = std::array::from_fn(|_| random_direction(&mut state));
+        let mut permutation: [u8; PERIOD] = std::array::from_fn(|i| i as u8);
+        for i in (1..PERIOD).rev() {
+            permutation.swap(i, (split_mix(&mut state) % (i as u64 + 1)) as usize);
+        }
+        Self { permutation, gradients }
+    }
+
+    fn cell(&self, point: [f64; 3]) -> Cell {
+        let low = point.map(|x| x.floor().rem_euclid(PERIOD as f64) as usize % PERIOD);
+        let at = |index: usize| usize::from(self.permutation[index % PERIOD]);
+        let corners = std::array::from_fn(|corner| {
+            let [i, j, k] = [0, 1, 2].map(|axis| (low[axis] + (corner >> axis & 1)) % PERIOD);
+            self.gradients[(at(at(i) + j) + k) % PERIOD]
+        });
+        Cell { corners, fraction: point.map(|x| x - x.floor()) }
+    }
+
+    /// No value is larger: with weights w of the corners at distances r, |Σ w g·r| ≤ √(Σ w r²) ≤ √3/2.
+    const BOUND: f64 = 0.8660254037844388;
+
+    /// No partial derivative is larger: |Σ w g| ≤ 1, and the derivative of the fade, at most 3/2, times the
+    /// difference of two opposite faces, at most 2·√(3/4), both taken in the middle, where their product is largest.
+    const SLOPE: f64 = 1.0 + 1.5 * 2.0 * Self::BOUND;
+}
+
+impl Cell {
+    /// The value and its partial derivatives.
+    fn value_and_gradient(&self) -> (f64, [f64; 3]) {
+        let fade = self.fraction.map(|t| t * t * (3.0 - 2.0 * t));
+        let slope = self.fraction.map(|t| 6.0 * t * (1.0 - t));
+        let (mut value, mut gradient) = (0.0, [0.0; 3]);
+        for (corner, direction) in self.corners.iter().enumerate() {
+            let side = [0, 1, 2].map(|axis| corner >> axis & 1);
+            let weight = [0, 1, 2].map(|a| if side[a] == 1 { fade[a] } else { 1.0 - fade[a] });
+            let change = [0, 1, 2].map(|a| if side[a] == 1 { slope[a] } else { -slope[a] });
+            let height: f64 = (0..3).map(|a| direction[a] * (self.fraction[a] - side[a] as f64)).sum();
+            let product = weight[0] * weight[1] * weight[2];
+            value += product * height;
+            for a in 0..3 {
+                let others = weight[(a + 1) % 3] * weight[(a + 2) % 3];
+                gradient[a] += product * direction[a] + change[a] * others * height;
+            }
+        }
+        (value, gradient)
+    }
+}
+
+impl Function for Perlin {
+    fn name(&self) -> &str {
+        "hfA_NoiseP"
+    }
+
+    fn value(&self, arguments: &[f64]) -> f64 {
+        let &[x, y, z] = arguments else { return f64::NAN };
+        if !(x.is_finite() && y.is_finite() && z.is_finite()) {
+            return f64::NAN;
+        }
+        self.cell([x, y, z]).value_and_gradient().0
+    }
+
+    fn interval(&self, arguments: &[Interval<f64>]) -> Interval<f64> {
+        if arguments.iter().any(|a| a.lo.is_nan() || a.hi.is_nan()) {
+            return Interval::undefined();
+        }
+        let bound = Self::BOUND + ROUNDING;
+        if arguments.iter().any(|a| a.lo.is_infinite() || a.hi.is_infinite()) {
+            return Interval { lo: -bound, hi: bound };
+        }
+        let center: Vec<f64> = arguments.iter().map(|a| 0.5 * a.lo + 0.5 * a.hi).collect();
+        let reach: f64 = arguments.iter().zip(&center).map(|(a, c)| (a.hi - c).max(c - a.lo)).sum();
+        let (middle, radius) = (self.value(&center), Self::SLOPE * reach + ROUNDING);
+        Interval { lo: (middle - radius).max(-bound), hi: (middle + radius).min(bound) }
+    }
+
+    fn is_black_box(&self) -> bool {
+        false
+    }
+
+    fn gradient(&self, arguments: &[f64], gradient: &mut [f64]) {
+        let slopes = match *arguments {
+            [x, y, z] if self.value(arguments).is_finite() => self.cell([x, y, z]).value_and_gradient().1,
+            _ => [f64::NAN; 3],
+        };
+        for (slope, value) in gradient.iter_mut().zip(slopes) {
+            *slope = value;
+        }
+    }
+}
+
+/// More than the rounding errors of a value of [`Perlin`], a sum of eight products of numbers below 2.
+const ROUNDING: f64 = 1e-13;
+
+/// The generator SplitMix64.
+fn split_mix(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+fn random_direction(state: &mut u64) -> [f64; 3] {
+    loop {
+        let direction = [0; 3].map(|_| (split_mix(state) >> 11) as f64 * (2.0 / (1u64 << 53) as f64) - 1.0);
+        let squared: f64 = direction.iter().map(|d| d * d).sum();
+        if squared > 1e-3 && squared <= 1.0 {
+            return direction.map(|d| d / squared.sqrt());
+        }
+    }
+}
