@@ -5,7 +5,6 @@
 
 mod diagnostic;
 mod formula;
-#[allow(dead_code)]
 mod hyperfun;
 mod model;
 mod suggest;
@@ -13,6 +12,7 @@ mod vm;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, Source};
 pub use formula::parse_formula;
+pub use hyperfun::{HyperFunOptions, parse_hyperfun};
 pub use model::{FileSign, Model, Object, Parameter, UpAxis};
 pub use vm::parse_vm;
 

@@ -1,0 +1,697 @@
+//! From tokens to objects and statements.
+//!
+//! Errors are reported where they are found; reading goes on at the end of the statement, so that one run shows
+//! several. Nothing here recurses deeper than [`MAX_BLOCKS`].
+
+use super::ast::{A, Code, OWN, Object, S, Slot, SlotId, Statement, X};
+use super::lexer::{Names, Symbol, Token};
+use super::report::{Report, Span};
+use super::{builtins, expression, hints, library};
+use crate::Dialect;
+use crate::diagnostic::Diagnostic;
+use crate::suggest;
+use std::collections::HashMap;
+
+/// How deep `if` and `while` may be nested in a text.
+const MAX_BLOCKS: usize = 250;
+/// How many elements an array may have: inputs are numbered by 16 bits.
+const MAX_ELEMENTS: f64 = 65_535.0;
+
+/// Stands for an error that is in the report.
+pub(super) struct Reported;
+pub(super) type Parsed<T> = Result<T, Reported>;
+
+/// The objects of a text, as far as it can be read.
+pub(super) fn parse(
+    text: &str,
+    tokens: Vec<(Token, Span)>,
+    names: Names,
+    dialect: Dialect,
+    report: &mut Report,
+) -> Vec<Object> {
+    let mut parser = Parser {
+        text,
+        headers: headers(&tokens),
+        tokens,
+        at: 0,
+        names,
+        dialect,
+        report,
+        objects: Vec::new(),
+        scope: Scope::default(),
+        blocks: 0,
+        last_error: None,
+    };
+    parser.program();
+    parser.objects
+}
+
+/// The variables of the object that is being read.
+#[derive(Default)]
+struct Scope {
+    slots: Vec<Slot>,
+    known: HashMap<Symbol, SlotId>,
+    /// How often the object's own name was assigned.
+    results: usize,
+    has_statements: bool,
+}
+
+pub(super) struct Parser<'s> {
+    pub(super) text: &'s str,
+    tokens: Vec<(Token, Span)>,
+    at: usize,
+    names: Names,
+    dialect: Dialect,
+    pub(super) report: &'s mut Report,
+    pub(super) objects: Vec<Object>,
+    /// Where the header of each object begins, as a token number.
+    headers: HashMap<Symbol, usize>,
+    scope: Scope,
+    blocks: usize,
+    last_error: Option<usize>,
+}
+
+/// Where objects begin, the first place of each name.
+fn headers(tokens: &[(Token, Span)]) -> HashMap<Symbol, usize> {
+    let mut found = HashMap::new();
+    for at in 0..tokens.len() {
+        if let (Token::Name(name), true) = (tokens[at].0, is_header(&tokens[at..])) {
+            found.entry(name).or_insert(at);
+        }
+    }
+    found
+}
+
+/// Whether a whole header, `name(x[3], a[1]) {` or `name(x[3], a[1], s[3]) {`, begins here.
+fn is_header(tokens: &[(Token, Span)]) -> bool {
+    let kind = |i: usize| tokens.get(i).map(|t| t.0);
+    let array = |i: usize, name: Symbol| {
+        kind(i) == Some(Token::Name(name))
+            && kind(i + 1) == Some(Token::OpenBracket)
+            && kind(i + 3) == Some(Token::CloseBracket)
+    };
+    let end = |i: usize| kind(i) == Some(Token::Close) && kind(i + 1) == Some(Token::OpenBrace);
+    let begins = matches!(kind(0), Some(Token::Name(_))) && kind(1) == Some(Token::Open);
+    let arrays = begins && array(2, Symbol::X) && kind(6) == Some(Token::Comma) && array(7, Symbol::A);
+    arrays && (end(11) || (kind(11) == Some(Token::Comma) && array(12, Symbol::S) && end(16)))
+}
+
+impl<'s> Parser<'s> {
+    pub(super) fn peek(&self) -> Token {
+        self.tokens[self.at].0
+    }
+
+    pub(super) fn peek_after(&self) -> Token {
+        self.tokens[(self.at + 1).min(self.tokens.len() - 1)].0
+    }
+
+    pub(super) fn span(&self) -> Span {
+        self.tokens[self.at].1
+    }
+
+    pub(super) fn last_span(&self) -> Span {
+        self.tokens[self.at.saturating_sub(1)].1
+    }
+
+    pub(super) fn bump(&mut self) -> Span {
+        let span = self.span();
+        self.at = (self.at + 1).min(self.tokens.len() - 1);
+        span
+    }
+
+    pub(super) fn accept(&mut self, token: Token) -> bool {
+        let found = self.peek() == token;
+        if found {
+            self.bump();
+        }
+        found
+    }
+
+    pub(super) fn name(&self, symbol: Symbol) -> &str {
+        self.names.text(symbol)
+    }
+
+    /// The text at a place, in quotes and not too long.
+    pub(super) fn quote(&self, span: Span) -> String {
+        let text = &self.text[span.range()];
+        match text.char_indices().nth(40) {
+            _ if text.is_empty() => "the end of the file".to_owned(),
+            Some((end, _)) => format!("`{}…`", &text[..end]),
+            None => format!("`{text}`"),
+        }
+    }
+
+    pub(super) fn line(&self, span: Span) -> usize {
+        self.text[..span.start as usize].matches('\n').count() + 1
+    }
+
+    pub(super) fn strict(&self) -> bool {
+        self.dialect == Dialect::Strict
+    }
+
+    /// Reports an error, unless one is known at this very token: the second would only be its echo.
+    pub(super) fn fail(&mut self, diagnostic: Diagnostic) -> Reported {
+        if self.last_error != Some(self.at) {
+            self.report.add(diagnostic);
+            self.last_error = Some(self.at);
+        }
+        Reported
+    }
+
+    /// Reports what the C interpreter would not read, if it is asked for.
+    pub(super) fn extension(&mut self, span: Span, what: &str) {
+        if self.strict() {
+            let error = Diagnostic::error(span.range(), what, "not in the language of the C interpreter");
+            self.report.add(error.with_help("the lenient dialect reads it"));
+        }
+    }
+
+    pub(super) fn unexpected(&mut self, expected: &str) -> Diagnostic {
+        let message = format!("unexpected {}", self.quote(self.span()));
+        Diagnostic::error(self.span().range(), message, format!("expected {expected}"))
+    }
+
+    pub(super) fn expect(&mut self, token: Token, expected: &str) -> Parsed<Span> {
+        if self.peek() == token {
+            return Ok(self.bump());
+        }
+        let error = self.unexpected(expected);
+        Err(self.fail(error))
+    }
+
+    fn program(&mut self) {
+        while self.peek() != Token::End && !self.report.is_full() {
+            let start = self.at;
+            if self.report.has_errors() && self.peek_after() != Token::Open {
+                // After an error, what does not look like an object is the rest of the one before.
+                self.skip_to_header(start);
+                continue;
+            }
+            match self.object() {
+                Ok(object) => self.objects.push(object),
+                Err(Reported) => self.skip_to_header(start),
+            }
+        }
+        if self.objects.is_empty() && !self.report.has_errors() {
+            let error =
+                Diagnostic::error(0..0, "the file has no object", "expected `my_model(x[3], a[1]) { … }`");
+            self.fail(error.with_help(
+                "an object is a function of the point x[]: `my_model(x[3], a[1]) { my_model = 1 - x[1]; }`",
+            ));
+        }
+    }
+
+    fn skip_to_header(&mut self, start: usize) {
+        self.at = self.at.max(start + 1).min(self.tokens.len() - 1);
+        while self.peek() != Token::End && !is_header(&self.tokens[self.at..]) {
+            self.bump();
+        }
+    }
+
+    fn object(&mut self) -> Parsed<Object> {
+        let (span, errors) = (self.span(), self.report.error_count());
+        let Token::Name(name) = self.peek() else {
+            let error = self.unexpected("an object: `name(x[3], a[1]) { … }`");
+            return Err(self.fail(error));
+        };
+        self.check_object_name(name, span);
+        self.bump();
+        let (coordinates, parameters, attributes) = self.header()?;
+        self.open_scope(name, [coordinates, parameters, attributes.unwrap_or(1)]);
+        let open = self.expect(Token::OpenBrace, "`{`")?;
+        let body = self.body(open)?;
+        if self.scope.results == 0 && errors == self.report.error_count() {
+            let message = format!("`{}` never gets its value", self.name(name));
+            let label = format!("expected `{} = …;` before the `}}`", self.name(name));
+            self.report.error(span, message, label);
+        }
+        let slots = std::mem::take(&mut self.scope.slots);
+        Ok(Object {
+            name: self.name(name).to_owned(),
+            span,
+            coordinates,
+            parameters,
+            attributes,
+            slots,
+            body,
+        })
+    }
+
+    fn check_object_name(&mut self, name: Symbol, span: Span) {
+        let text = self.name(name);
+        if let Some(first) = self.objects.iter().find(|o| o.name == text) {
+            let message = format!("two objects are called `{text}`");
+            let error = Diagnostic::error(span.range(), message, "second object of this name");
+            let help = format!("the first one begins in line {}", self.line(first.span));
+            self.report.add(error.with_help(help));
+        } else if let Some(what) = self.reserved(name) {
+            self.report.error(span, format!("`{text}` is {what}"), "expected another name");
+        }
+    }
+
+    /// What stops a name from being an object or a variable.
+    fn reserved(&self, name: Symbol) -> Option<&'static str> {
+        let text = self.name(name);
+        if matches!(name, Symbol::X | Symbol::A | Symbol::S) {
+            Some("the name of an array that every object has")
+        } else if builtins::lookup(text).is_some() || library::lookup(text).is_some() {
+            Some("the name of a function")
+        } else {
+            None
+        }
+    }
+
+    fn header(&mut self) -> Parsed<(usize, usize, Option<usize>)> {
+        const FORM: &str = "`(`: objects begin with `name(x[3], a[1]) {`";
+        self.expect(Token::Open, FORM)?;
+        let coordinates = self.header_array(Symbol::X, "`x[3]`, the coordinates")?;
+        self.expect(Token::Comma, "`, a[1]`: parameters are declared even if there are none")?;
+        let parameters = self.header_array(Symbol::A, "`a[1]`, the parameters")?;
+        let mut attributes = None;
+        if self.accept(Token::Comma) {
+            attributes = Some(self.header_array(Symbol::S, "`s[3]`, the attributes")?);
+        }
+        self.expect(Token::Close, if attributes.is_some() { "`)`" } else { "`)` or `, s[3]`" })?;
+        Ok((coordinates, parameters, attributes))
+    }
+
+    fn header_array(&mut self, name: Symbol, expected: &str) -> Parsed<usize> {
+        self.expect(Token::Name(name), expected)?;
+        self.expect(Token::OpenBracket, "`[` and a size")?;
+        self.size()
+    }
+
+    /// A size and its closing bracket.
+    fn size(&mut self) -> Parsed<usize> {
+        let span = self.span();
+        let Token::Number(size) = self.peek() else {
+            let error = self.unexpected("a size").with_help("sizes are whole numbers, written out");
+            return Err(self.fail(error));
+        };
+        if size.fract() != 0.0 || !(1.0..=MAX_ELEMENTS).contains(&size) {
+            let message = format!("an array cannot have {} elements", &self.text[span.range()]);
+            let label = format!("expected a whole number from 1 to {MAX_ELEMENTS}");
+            return Err(self.fail(Diagnostic::error(span.range(), message, label)));
+        }
+        self.bump();
+        self.expect(Token::CloseBracket, "`]`")?;
+        Ok(size as usize)
+    }
+
+    fn open_scope(&mut self, own: Symbol, sizes: [usize; 3]) {
+        self.scope = Scope::default();
+        for (name, size) in [Symbol::X, Symbol::A, Symbol::S].into_iter().zip(sizes) {
+            self.declare(name, Some(size));
+        }
+        // The own name is assignable everywhere, but a variable only once it has a value.
+        let slot = self.declare(own, None);
+        debug_assert_eq!([X, A, S, OWN], [0, 1, 2, slot]);
+    }
+
+    fn declare(&mut self, name: Symbol, length: Option<usize>) -> SlotId {
+        let slots = &mut self.scope.slots;
+        let offset = slots.last().map_or(0, |slot| slot.offset + slot.length.unwrap_or(1));
+        slots.push(Slot { name: self.names.text(name).to_owned(), offset, length });
+        self.scope.known.insert(name, slots.len() - 1);
+        slots.len() - 1
+    }
+
+    fn body(&mut self, open: Span) -> Parsed<Vec<Statement>> {
+        let mut statements = Vec::new();
+        loop {
+            statements.append(&mut self.block());
+            match self.peek() {
+                Token::CloseBrace => {
+                    self.bump();
+                    return Ok(statements);
+                }
+                Token::Else | Token::Endif | Token::Endloop if !self.report.is_full() => {
+                    let opener = if self.peek() == Token::Endloop { "`while`" } else { "`if`" };
+                    let message = format!("{} without {opener}", self.quote(self.span()));
+                    let error = Diagnostic::error(self.span().range(), message, "nothing to close here");
+                    self.fail(error);
+                    self.bump();
+                    self.accept(Token::Semicolon);
+                }
+                _ => {
+                    let help = format!("`{{` in line {} is still open", self.line(open));
+                    let error = self.unexpected("`}` or a statement").with_help(help);
+                    return Err(self.fail(error));
+                }
+            }
+        }
+    }
+
+    /// Statements up to what can only end the block.
+    fn block(&mut self) -> Vec<Statement> {
+        let mut statements = Vec::new();
+        loop {
+            let start = self.at;
+            match self.peek() {
+                Token::CloseBrace | Token::Else | Token::Endif | Token::Endloop | Token::End => {
+                    return statements;
+                }
+                _ if self.report.is_full() || is_header(&self.tokens[start..]) => return statements,
+                Token::Semicolon => {
+                    let span = self.bump();
+                    self.extension(span, "an empty statement");
+                }
+                _ => match self.statement() {
+                    Ok(statement) => statements.extend(statement),
+                    Err(Reported) => self.recover(start),
+                },
+            }
+        }
+    }
+
+    /// Goes to the end of a statement that could not be read.
+    fn recover(&mut self, start: usize) {
+        if self.at == start {
+            self.bump();
+        }
+        loop {
+            match self.peek() {
+                Token::Semicolon => {
+                    self.bump();
+                    return;
+                }
+                Token::CloseBrace
+                | Token::If
+                | Token::While
+                | Token::Else
+                | Token::Endif
+                | Token::Endloop => return,
+                Token::Array | Token::End => return,
+                _ if is_header(&self.tokens[self.at..]) => return,
+                _ => self.bump(),
+            };
+        }
+    }
+
+    fn statement(&mut self) -> Parsed<Option<Statement>> {
+        if self.peek() == Token::Array {
+            return self.array_declaration().map(|()| None);
+        }
+        self.scope.has_statements = true;
+        if self.strict() && self.scope.results > 0 {
+            let span = self.span();
+            self.extension(span, "a statement after the object got its value");
+        }
+        match self.peek() {
+            Token::If => self.nested(Self::if_statement),
+            Token::While => self.nested(Self::while_statement),
+            Token::Name(name) => self.assignment(name),
+            _ => {
+                let error = self.unexpected("a statement");
+                let help = "statements are `name = …;`, `name[i] = …;`, `if … then … endif;`, `while … loop … endloop;`";
+                Err(self.fail(error.with_help(help)))
+            }
+        }
+        .map(Some)
+    }
+
+    fn nested(&mut self, parse: fn(&mut Self) -> Parsed<Statement>) -> Parsed<Statement> {
+        if self.blocks >= MAX_BLOCKS {
+            let message = format!("more than {MAX_BLOCKS} statements inside each other");
+            let error = Diagnostic::error(self.span().range(), message, "nested too deep");
+            return Err(self.fail(error));
+        }
+        self.blocks += 1;
+        let statement = parse(self);
+        self.blocks -= 1;
+        statement
+    }
+
+    fn array_declaration(&mut self) -> Parsed<()> {
+        let keyword = self.bump();
+        if self.scope.has_statements {
+            self.extension(keyword, "an array declared after the first statement");
+        }
+        loop {
+            let span = self.span();
+            let Token::Name(name) = self.peek() else {
+                let error = self.unexpected("the name of an array");
+                return Err(self.fail(error));
+            };
+            if let Some(what) = self.reserved(name) {
+                let message = format!("`{}` is {what}", self.name(name));
+                return Err(self.fail(Diagnostic::error(span.range(), message, "expected another name")));
+            }
+            self.bump();
+            self.expect(Token::OpenBracket, "`[` and a size")?;
+            let size = self.size()?;
+            if self.scope.known.contains_key(&name) {
+                let message = format!("`{}` exists already", self.name(name));
+                self.report.error(span, message, "second declaration");
+            } else {
+                self.declare(name, Some(size));
+            }
+            if !self.accept(Token::Comma) {
+                return self.semicolon();
+            }
+        }
+    }
+
+    /// The end of a statement.
+    fn semicolon(&mut self) -> Parsed<()> {
+        if self.accept(Token::Semicolon) {
+            return Ok(());
+        }
+        let last = self.last_span();
+        let new_line = self.text[last.end as usize..self.span().start as usize].contains(['\n', '\r']);
+        let closes = matches!(self.peek(), Token::CloseBrace | Token::Else | Token::Endif | Token::Endloop);
+        let begins = matches!(self.peek(), Token::If | Token::While | Token::Array | Token::Name(_));
+        let mut error = if new_line || closes {
+            Diagnostic::error(last.after().range(), "the statement does not end", "expected `;`")
+        } else {
+            self.unexpected("an operator or `;`")
+        };
+        let word = &self.text[last.range()];
+        if word.eq_ignore_ascii_case("endif") || word.eq_ignore_ascii_case("endloop") {
+            error = error.with_help("`;` stands after `endif` and `endloop`, too");
+        } else if let (Token::Name(_), false) = (self.peek(), new_line) {
+            error = error.with_help("products are written with `*`");
+        }
+        let reported = self.fail(error);
+        if closes || (begins && new_line) { Ok(()) } else { Err(reported) }
+    }
+
+    fn if_statement(&mut self) -> Parsed<Statement> {
+        let span = self.bump();
+        let condition = expression::parse(self, true)?;
+        self.expect_word(Token::Then, "then", "after the condition of `if` stands `then`")?;
+        let then = self.block();
+        let otherwise = if self.accept(Token::Else) { self.block() } else { Vec::new() };
+        self.close_block(Token::Endif, "`endif`", span)?;
+        Ok(Statement::If { condition, then, otherwise, span })
+    }
+
+    fn while_statement(&mut self) -> Parsed<Statement> {
+        let span = self.bump();
+        let condition = expression::parse(self, true)?;
+        self.expect_word(Token::Loop, "loop", "after the condition of `while` stands `loop`")?;
+        let body = self.block();
+        self.close_block(Token::Endloop, "`endloop`", span)?;
+        Ok(Statement::While { condition, body, span })
+    }
+
+    fn expect_word(&mut self, token: Token, word: &str, help: &str) -> Parsed<()> {
+        if self.accept(token) {
+            return Ok(());
+        }
+        let error = self.unexpected(&format!("an operator or `{word}`")).with_help(help);
+        let reported = self.fail(error);
+        // The block is read all the same if it begins here: its end would be an error otherwise.
+        let begins = matches!(self.peek(), Token::OpenBrace | Token::Name(_) | Token::Then | Token::Loop);
+        if matches!(self.peek(), Token::OpenBrace | Token::Then | Token::Loop) {
+            self.bump();
+        }
+        if begins { Ok(()) } else { Err(reported) }
+    }
+
+    fn close_block(&mut self, token: Token, expected: &str, open: Span) -> Parsed<()> {
+        if !self.accept(token) {
+            let help = format!("{} in line {} is still open", self.quote(open), self.line(open));
+            let error = self.unexpected(expected).with_help(help);
+            return Err(self.fail(error));
+        }
+        self.semicolon()
+    }
+
+    fn assignment(&mut self, name: Symbol) -> Parsed<Statement> {
+        let span = self.bump();
+        let target = self.target(name, span)?;
+        let index = if self.accept(Token::OpenBracket) {
+            let index = expression::parse(self, false)?;
+            self.expect(Token::CloseBracket, "`]`")?;
+            Some(index)
+        } else {
+            None
+        };
+        let place = span.to(self.last_span());
+        self.equals_sign(name)?;
+        let is_array = self.scope.slots[target].length.is_some();
+        if matches!(target, X | A) {
+            self.extension(place, "an assignment to coordinates or parameters");
+        }
+        if self.peek() == Token::OpenBracket && is_array && index.is_none() {
+            let items = self.literal(target)?;
+            self.semicolon()?;
+            return Ok(Statement::Fill { target, items });
+        }
+        self.check_shape(target, index.is_some(), place)?;
+        let value = expression::parse(self, false);
+        if target == OWN {
+            self.own_value(span);
+        }
+        let value = value?;
+        self.semicolon()?;
+        Ok(Statement::Assign { target, index, value, span: place })
+    }
+
+    fn own_value(&mut self, span: Span) {
+        self.scope.results += 1;
+        if self.blocks > 0 {
+            self.extension(span, "the object's value assigned inside `if` or `while`");
+        }
+    }
+
+    fn equals_sign(&mut self, name: Symbol) -> Parsed<()> {
+        if self.accept(Token::Equal) {
+            return Ok(());
+        }
+        let mut error = self.unexpected("`=`");
+        if let Some(help) = hints::foreign_statement(self.name(name)) {
+            error = error.with_help(help);
+        }
+        Err(self.fail(error))
+    }
+
+    /// Whether an array is assigned by element and a scalar as a whole.
+    fn check_shape(&mut self, target: SlotId, indexed: bool, place: Span) -> Parsed<()> {
+        let slot = &self.scope.slots[target];
+        let name = &slot.name;
+        let error = match (slot.length, indexed) {
+            (Some(_), false) => {
+                let message = format!("the array `{name}` cannot be assigned as a whole");
+                Diagnostic::error(place.range(), message, "expected an index")
+                    .with_help(format!("write `{name}[1] = …;`, or `{name} = [ … ];` with all its elements"))
+            }
+            (None, true) => {
+                let message = format!("`{name}` is a number, not an array");
+                Diagnostic::error(place.range(), message, "has no elements")
+            }
+            _ => return Ok(()),
+        };
+        Err(self.fail(error))
+    }
+
+    /// The variable that is assigned; a new scalar if the name is new.
+    fn target(&mut self, name: Symbol, span: Span) -> Parsed<SlotId> {
+        if let Some(&slot) = self.scope.known.get(&name) {
+            return Ok(slot);
+        }
+        let text = self.name(name).to_owned();
+        if self.peek() == Token::Open {
+            let error =
+                Diagnostic::error(span.range(), "a call is not a statement", "expected an assignment");
+            return Err(self.fail(error.with_help(format!("write `t = {text}(…);`"))));
+        }
+        if let Some(what) = self.reserved(name) {
+            let error = Diagnostic::error(span.range(), format!("`{text}` is {what}"), "expected a variable");
+            let help = hints::foreign_statement(&text)
+                .map_or_else(|| "choose another name".to_owned(), str::to_owned);
+            return Err(self.fail(error.with_help(help)));
+        }
+        if self.peek() == Token::OpenBracket {
+            return Err(self.undeclared_array(name, span));
+        }
+        // A foreign word like `elseif` must not become a variable; `equals_sign` reports it.
+        Ok(if self.peek() == Token::Equal { self.declare(name, None) } else { OWN })
+    }
+
+    pub(super) fn undeclared_array(&mut self, name: Symbol, span: Span) -> Reported {
+        let text = self.name(name).to_owned();
+        if self.variable(name).is_some() {
+            let message = format!("`{text}` is a number, not an array");
+            return self.fail(Diagnostic::error(span.range(), message, "has no elements"));
+        }
+        let error = Diagnostic::error(span.range(), format!("`{text}` is not an array"), "unknown array");
+        let arrays =
+            self.scope.slots.iter().filter(|slot| slot.length.is_some()).map(|slot| slot.name.as_str());
+        let help = match suggest::closest(&text, arrays) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("arrays are declared before they are used: `array {text}[3];`"),
+        };
+        self.fail(error.with_help(help))
+    }
+
+    /// `[ … ]` with a value for each element.
+    fn literal(&mut self, target: SlotId) -> Parsed<Vec<Code>> {
+        let open = self.bump();
+        let mut items = Vec::new();
+        loop {
+            let span = self.span();
+            items.push(expression::parse(self, false)?);
+            if !expression::is_signed_number(items.last()) {
+                self.extension(span, "an array literal with more than numbers");
+            }
+            if !self.accept(Token::Comma) {
+                break;
+            }
+        }
+        let close = self.expect(Token::CloseBracket, "`,` or `]`")?;
+        let slot = &self.scope.slots[target];
+        let size = slot.length.unwrap_or(1);
+        if items.len() != size {
+            let message = format!("`{}` has {size} elements, not {}", slot.name, items.len());
+            let label = format!("expected {size} values");
+            return Err(self.fail(Diagnostic::error(open.to(close).range(), message, label)));
+        }
+        Ok(items)
+    }
+
+    /// The slot of a name, if it is a variable at this place of the text.
+    pub(super) fn variable(&self, name: Symbol) -> Option<SlotId> {
+        let slot = self.scope.known.get(&name).copied();
+        slot.filter(|&slot| slot != OWN || self.scope.results > 0)
+    }
+
+    pub(super) fn slot(&self, slot: SlotId) -> &Slot {
+        &self.scope.slots[slot]
+    }
+
+    /// The object that is being read.
+    pub(super) fn own_name(&self) -> &str {
+        &self.scope.slots[OWN].name
+    }
+
+    /// Whether an object of this name begins behind this place.
+    pub(super) fn is_object_further_down(&self, name: Symbol) -> bool {
+        self.headers.get(&name).is_some_and(|&at| at > self.at)
+    }
+
+    /// Reports a name without a value, which counts as a variable from then on.
+    pub(super) fn unknown_variable(&mut self, name: Symbol, span: Span) {
+        let text = self.name(name).to_owned();
+        let later = self.tokens[self.at..].windows(2).take_while(|w| w[0].0 != Token::CloseBrace);
+        let assigned_later = later.into_iter().any(|w| w[0].0 == Token::Name(name) && w[1].0 == Token::Equal);
+        let known =
+            self.scope.slots.iter().enumerate().filter(|(i, _)| *i != OWN).map(|(_, s)| s.name.as_str());
+        let help = if assigned_later {
+            "it gets its value only further down".to_owned()
+        } else if let Some(help) = hints::foreign_value(&text) {
+            help.to_owned()
+        } else if let Some(near) = suggest::closest(&text, known) {
+            format!("did you mean `{near}`?")
+        } else {
+            format!("assign it first: `{text} = …;`")
+        };
+        let error =
+            Diagnostic::error(span.range(), format!("`{text}` has no value here"), "unknown variable");
+        self.report.add(error.with_help(help));
+        if !self.scope.known.contains_key(&name) {
+            self.declare(name, None);
+        }
+    }
+}
