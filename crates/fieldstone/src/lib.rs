@@ -1,1 +1,70 @@
 //! See solids that are defined by functions.
+//!
+//! A model is a function of space that says where a solid is: a formula, a HyperFun program, or a `.vm` program. To
+//! fieldstone it is data, so that rays are traced with proofs: nothing thin is missed, and every pixel says what it
+//! rests on.
+//!
+//! # A picture in four steps
+//! ```
+//! use fieldstone::{RenderOptions, RenderRequest, Settings, formula, render, write_exr, write_png};
+//!
+//! // 1. A model; `load("model.hf", …)` reads files.
+//! let loaded = formula("(1 - sqrt(x^2 + y^2))^2 + z^2 - 0.125")?;
+//!
+//! // 2. What to draw: bounds, camera and light are chosen to suit the solid unless given.
+//! let settings = Settings { size: (32, 24), ..Settings::default() };
+//! let request = RenderRequest { settings, ..RenderRequest::default() };
+//! let resolved = request.resolve(&loaded.model)?;
+//! assert!(resolved.warnings.is_empty());
+//!
+//! // 3. The picture, with distances, normals and certificates of every pixel.
+//! let rendered = render(&resolved.scene, &RenderOptions::default())?;
+//! assert!(rendered.film.layer("Z").is_some());
+//!
+//! // 4. Files. A PNG is what one sees, an EXR is everything.
+//! let folder = std::env::temp_dir().join(format!("fieldstone-doc-{}", std::process::id()));
+//! std::fs::create_dir_all(&folder)?;
+//! write_png(&rendered.film, &resolved.scene.lighting().background, &folder.join("torus.png"))?;
+//! write_exr(&rendered.film, &folder.join("torus.exr"))?;
+//! # std::fs::remove_dir_all(&folder)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Values
+//! An [`Evaluator`] gives the values of a model at many points, in the sign of its file:
+//! ```
+//! use fieldstone::{Evaluator, Inputs, formula};
+//!
+//! let ball = formula("r = 2; x^2 + y^2 + z^2 - r^2")?;
+//! let inputs = Inputs { parameters: vec![("r".to_owned(), 3.0)], ..Inputs::default() };
+//! let mut evaluator = Evaluator::new(&ball.model, &inputs)?;
+//! let mut values = Vec::new();
+//! evaluator.evaluate(&[0.0, 0.0, 0.0, /* second point */ 3.0, 4.0, 0.0], &mut values);
+//! assert_eq!(values, [-9.0, 16.0]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod evaluate;
+mod inputs;
+mod load;
+mod output;
+mod request;
+
+pub use evaluate::Evaluator;
+pub use inputs::{InputError, Inputs};
+pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
+pub use output::{OutputError, write_beside, write_exr, write_png};
+pub use request::{RenderRequest, RequestError, Resolved, Warning};
+
+pub use fieldstone_field::{Bindings, Field, Graph, Input};
+pub use fieldstone_lang::{
+    Diagnostic, Diagnostics, Dialect, FileSign, Model, Object, Parameter, Severity, Source, UpAxis,
+};
+pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
+pub use fieldstone_scene::{
+    Background, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film, Light, LightError,
+    LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene, SceneError,
+    Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
+};
+pub use fieldstone_space::{DEFAULT_BOUNDS, Extent, FoundBounds, solid_bounds};
+pub use glam;

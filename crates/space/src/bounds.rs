@@ -363,9 +363,9 @@ impl<'t> Search<'t> {
         }
     }
 
-    /// Takes what is left for part of the solid, except where the field may be undefined.
+    /// Takes what is left for part of the solid, except where the field may be undefined. The hull is larger than it
+    /// would have to be then, but it still holds everything.
     fn give_up(&mut self, batch: &[Cell]) {
-        self.finding.proved = false;
         let queued = std::mem::take(&mut self.queue).into_iter().map(|(_, cell)| cell);
         let left: Vec<Cell> = batch.iter().copied().chain(queued).collect();
         for some in left.chunks(LANES) {
@@ -373,10 +373,13 @@ impl<'t> Search<'t> {
                 if lo < 0.0 {
                     let hull = self.hull.get_or_insert(Hull::at(cell.lo));
                     [cell.lo, cell.hi].into_iter().for_each(|corner| hull.add(corner));
+                } else if lo.is_nan() {
+                    self.finding.proved = false;
                 }
             }
         }
         self.note_touch();
+        self.finding.proved &= !self.finding.touches;
     }
 }
 

@@ -155,6 +155,29 @@ fn solids_in_several_pieces() {
 }
 
 #[test]
+fn loose_intervals_loosen_the_box_but_hold_everything() {
+    // The tangle, whose intervals are so wide that the search is cut short.
+    let mut maker = Maker::new();
+    let mut sum = maker.number(11.8);
+    for axis in 0..3 {
+        let fourth = maker.graph.powi(maker.x[axis], 4);
+        let square = maker.graph.square(maker.x[axis]);
+        let five = maker.number(5.0);
+        let five_squares = maker.graph.mul(square, five);
+        let term = maker.graph.sub(fourth, five_squares);
+        sum = maker.graph.add(sum, term);
+    }
+    let field = maker.field(sum);
+    let found = bounds(&field);
+    // x⁴ − 5x² is −6.25 at least, so that its largest x solves x⁴ − 5x² = 0.7.
+    let reach = (2.5 + (6.25_f64 + 0.7).sqrt()).sqrt();
+    assert!(found.proved);
+    // Allowed to be as loose as boxes that are not proved.
+    assert_tight(&FoundBounds { proved: false, ..found }, [-reach; 3], [reach; 3]);
+    assert_holds_all(&field, &found, 3.0);
+}
+
+#[test]
 fn without_an_end() {
     let mut maker = Maker::new();
     let half_space = maker.graph.neg(maker.x[1]);

@@ -1,0 +1,73 @@
+//! `fieldstone check`.
+
+use crate::arguments::EvalArguments;
+use crate::failure::Failure;
+use fieldstone::{
+    Bindings, Extent, FileSign, FoundBounds, Input, Loaded, Object, UpAxis, Warning, solid_bounds,
+};
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Prints what is in a model.
+pub(crate) fn run(arguments: &EvalArguments) -> Result<(), Failure> {
+    let loaded = arguments.model.load()?;
+    let bindings = arguments.model.inputs().bindings(&loaded.model)?;
+    let found = solid_bounds(&loaded.model.field, &bindings);
+    let report = report(&loaded, &bindings, &found);
+    write!(std::io::stdout(), "{report}").map_err(|e| Failure::of_stream("standard output", &e))
+}
+
+fn report(loaded: &Loaded, bindings: &Bindings, found: &FoundBounds) -> String {
+    let model = &loaded.model;
+    let mut lines: Vec<(&str, String)> = model.objects.iter().map(|o| ("object", object(o))).collect();
+    lines.push(("chosen", model.name.clone()));
+    let sign = match model.sign {
+        FileSign::NegativeInside => "f < 0 inside",
+        FileSign::PositiveInside => "F >= 0 inside",
+    };
+    let up = match model.up {
+        UpAxis::Y => "y",
+        UpAxis::Z => "z",
+    };
+    lines.push(("sign", format!("{sign}, {up} up")));
+    for parameter in &model.parameters {
+        lines.push(("parameter", format!("{} = {}", parameter.name, bindings.get(parameter.input))));
+    }
+    for index in (3..model.coordinates).filter_map(|k| u16::try_from(k).ok()) {
+        let value = bindings.get(Input::Coordinate(index));
+        lines.push(("coordinate", format!("{} = {value}", index + 1)));
+    }
+    lines.push(("operations", model.field.operation_count().to_string()));
+    lines.push(("bounds", bounds(found)));
+    let mut report = String::new();
+    for (name, text) in lines {
+        // Writing to a string cannot fail.
+        let _ = writeln!(report, "{name:<11}{text}");
+    }
+    let warnings = loaded.rendered_warnings();
+    let of_bounds = Warning::of_bounds(found).map(|warning| format!("warning: {warning}"));
+    for warning in warnings.chain(of_bounds) {
+        let _ = writeln!(report, "\n{warning}");
+    }
+    report
+}
+
+fn object(object: &Object) -> String {
+    let attributes = match object.attributes {
+        Some(count) => count.to_string(),
+        None => "no".to_owned(),
+    };
+    let Object { name, coordinates, parameters, .. } = object;
+    format!("{name}: {coordinates} coordinates, {parameters} parameters, {attributes} attributes")
+}
+
+fn bounds(found: &FoundBounds) -> String {
+    if found.extent != Extent::Bounded {
+        return "none".to_owned();
+    }
+    // Four digits of the longest side are more than the bounds have.
+    let longest = (0..3).map(|i| found.max[i] - found.min[i]).fold(0.0, f64::max);
+    let digits = (4.0 - longest.log10()).ceil().clamp(0.0, 17.0) as usize;
+    let numbers: Vec<String> = found.min.iter().chain(&found.max).map(|x| format!("{x:.digits$}")).collect();
+    numbers.join(",")
+}

@@ -1,0 +1,210 @@
+//! `fieldstone render`.
+
+use crate::arguments::{MethodName, RenderArguments};
+use crate::failure::Failure;
+use fieldstone::glam::DVec3;
+use fieldstone::{
+    Bounds, Method, Projection, RenderOptions, RenderRequest, Rendered, Resolved, Settings, View,
+    write_beside, write_exr, write_png,
+};
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// What kind of file a picture becomes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Kind {
+    Png,
+    Exr,
+}
+
+/// Draws a model and writes the picture.
+pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Failure> {
+    let kind = output_kind(&arguments.output)?;
+    for path in std::iter::once(&arguments.output).chain(&arguments.stats) {
+        check_writable(path)?;
+    }
+    let request = request(arguments)?;
+    let loaded = arguments.model.load()?;
+    let resolved = request.resolve(&loaded.model)?;
+    if !arguments.quiet {
+        loaded.rendered_warnings().for_each(|warning| eprintln!("{warning}"));
+        resolved.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    }
+    let options = RenderOptions { threads: arguments.threads.map(usize::from), progress: None };
+    let rendered = fieldstone::render(&resolved.scene, &options)?;
+    match kind {
+        Kind::Png => write_png(&rendered.film, &resolved.scene.lighting().background, &arguments.output)?,
+        Kind::Exr => write_exr(&rendered.film, &arguments.output)?,
+    }
+    let summary = Summary::new(&resolved, &rendered, start);
+    if let Some(path) = &arguments.stats {
+        write_beside(path, |file| {
+            serde_json::to_writer_pretty(&mut *file, &summary)?;
+            writeln!(file)
+        })?;
+    }
+    if !arguments.quiet {
+        let line = summary.line();
+        writeln!(std::io::stdout(), "{line}").map_err(|e| Failure::of_stream("standard output", &e))?;
+    }
+    Ok(())
+}
+
+fn output_kind(path: &Path) -> Result<Kind, Failure> {
+    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("png") => Ok(Kind::Png),
+        Some("exr") => Ok(Kind::Exr),
+        _ => Err(Failure::Usage(format!("{}: the picture must be a .png or .exr file", path.display()))),
+    }
+}
+
+/// Finds out before the work what would make it futile.
+fn check_writable(path: &Path) -> Result<(), Failure> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(Failure::Material(format!(
+            "cannot write {}: there is no folder {}",
+            path.display(),
+            folder.display()
+        )));
+    }
+    if path.is_dir() {
+        return Err(Failure::Material(format!("cannot write {}: it is a folder", path.display())));
+    }
+    Ok(())
+}
+
+fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
+    let bounds = arguments
+        .bounds
+        .map(|[x0, y0, z0, x1, y1, z1]| Bounds::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)));
+    let fov =
+        arguments.fov.map(|degrees| Projection::Perspective { vertical_fov_radians: degrees.to_radians() });
+    let projection = arguments.ortho.map(|height| Projection::Orthographic { height }).or(fov);
+    let view = View { eye: arguments.eye, target: arguments.target, up: arguments.up, projection };
+    let settings = Settings {
+        size: arguments.size,
+        samples: arguments.samples,
+        method: method(arguments)?,
+        tolerance: arguments.tolerance,
+    };
+    Ok(RenderRequest {
+        inputs: arguments.model.inputs(),
+        bounds: bounds.transpose()?,
+        open: arguments.open,
+        view,
+        settings,
+    })
+}
+
+fn method(arguments: &RenderArguments) -> Result<Method, Failure> {
+    let only_for = |option: &str, method: &str| {
+        Err(Failure::Usage(format!("{option} has a meaning with --method {method} only")))
+    };
+    match (arguments.method, arguments.step, arguments.accept_epsilon) {
+        (MethodName::Affine | MethodName::Interval, Some(_), _) => only_for("--step", "sampled"),
+        (MethodName::Affine | MethodName::Sampled, _, Some(_)) => only_for("--accept-epsilon", "interval"),
+        (MethodName::Affine, None, None) => Ok(Method::Affine),
+        (MethodName::Interval, None, accept_epsilon) => Ok(Method::Interval { accept_epsilon }),
+        (MethodName::Sampled, step, None) => Ok(Method::Sampled { step }),
+    }
+}
+
+/// What is said of a picture.
+#[derive(Serialize)]
+struct Summary {
+    width: u32,
+    height: u32,
+    /// Pixels by what their centre rays rest on.
+    certified: u64,
+    tolerance: u64,
+    undecided: u64,
+    /// Pixels whose centre rays hit.
+    hits: u64,
+    rays: u64,
+    evaluations: u64,
+    evaluations_per_ray: f64,
+    operations: usize,
+    bounds: [f64; 6],
+    eye: [f64; 3],
+    forward: [f64; 3],
+    up: [f64; 3],
+    warnings: Vec<String>,
+    duration_secs: f64,
+}
+
+impl Summary {
+    fn new(resolved: &Resolved, rendered: &Rendered, start: Instant) -> Self {
+        let (scene, stats) = (&resolved.scene, &rendered.stats);
+        let (min, max) = (scene.bounds().min(), scene.bounds().max());
+        let camera = scene.camera();
+        Self {
+            width: rendered.film.width(),
+            height: rendered.film.height(),
+            certified: stats.certified,
+            tolerance: stats.tolerance,
+            undecided: stats.undecided,
+            hits: stats.hits,
+            rays: stats.rays,
+            evaluations: stats.evaluations,
+            evaluations_per_ray: stats.evaluations as f64 / stats.rays.max(1) as f64,
+            operations: scene.solids().iter().map(|solid| solid.field().operation_count()).sum(),
+            bounds: [min.x, min.y, min.z, max.x, max.y, max.z],
+            eye: camera.eye().to_array(),
+            forward: camera.forward().to_array(),
+            up: camera.up().to_array(),
+            warnings: resolved.warnings.iter().map(ToString::to_string).collect(),
+            duration_secs: start.elapsed().as_secs_f64(),
+        }
+    }
+
+    fn line(&self) -> String {
+        let pixels = (u64::from(self.width) * u64::from(self.height)).max(1);
+        let share = |count: u64| format!("{count} ({} %)", percent(count, pixels));
+        format!(
+            "certified {}, tolerance {}, undecided {} of {pixels} pixels; {:.1} evaluations per ray; {:.2} s",
+            share(self.certified),
+            share(self.tolerance),
+            share(self.undecided),
+            self.evaluations_per_ray,
+            self.duration_secs,
+        )
+    }
+}
+
+/// A share with two digits, which is 100 or 0 only if it is all or nothing.
+fn percent(count: u64, of: u64) -> String {
+    let exact = 100.0 * count as f64 / of as f64;
+    match count {
+        0 => "0".to_owned(),
+        _ if count == of => "100".to_owned(),
+        _ => format!("{:.2}", exact.clamp(0.01, 99.99)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_honest() {
+        assert_eq!(percent(0, 10), "0");
+        assert_eq!(percent(10, 10), "100");
+        assert_eq!(percent(1, 3), "33.33");
+        assert_eq!(percent(999_999, 1_000_000), "99.99");
+        assert_eq!(percent(1, 1_000_000), "0.01");
+    }
+
+    #[test]
+    fn the_extension_decides_the_kind() {
+        assert_eq!(output_kind(Path::new("a/b.PNG")).ok(), Some(Kind::Png));
+        assert_eq!(output_kind(Path::new("b.exr")).ok(), Some(Kind::Exr));
+        assert_eq!(output_kind(Path::new("b.jpg")).map_err(|e| e.code()), Err(2));
+        assert_eq!(output_kind(Path::new("png")).map_err(|e| e.code()), Err(2));
+    }
+}

@@ -1,0 +1,126 @@
+//! `fieldstone eval` and `fieldstone check` as programs.
+
+use crate::place::Place;
+
+const ATTRIBUTES: &str = "my_model(x[3], a[1], s[3])
+{
+  my_model = 4 + a[1] - x[1]^2 - x[2]^2 - x[3]^2;
+  s[1] = x[1]; s[2] = 0.5; s[3] = sqrt(x[2]);
+}
+";
+
+#[test]
+fn a_formula_at_points() {
+    let run =
+        Place::new().run(&["eval", "-e", "x^2 + y^2 + z^2 - 1"], "0 0 0\n1\t1 1\n  .5 0 -1e-1 \n1e9 0 0");
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    assert_eq!(run.out, "-1\n2\n-0.74\n1e18\n");
+}
+
+#[test]
+fn hyperfun_keeps_its_sign_and_shows_attributes() {
+    let place = Place::new();
+    place.file("ball.hf", ATTRIBUTES);
+    let run = place.run(&["eval", "ball.hf", "--param", "a[1]=-1"], "0 0.25 0\n2 -1 0\n");
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    assert_eq!(run.out, "2.9375\t0\t0.5\t0.5\n-2\t2\t0.5\tundefined\n");
+}
+
+#[test]
+fn fixed_coordinates_leave_the_table() {
+    let formula = "x + 10*y + 100*z + 1000*w";
+    let run = Place::new().run(&["eval", "-e", formula, "--coord", "4=-2"], "1 2 3\n");
+    assert_eq!(run.out, "-1679\n");
+    let run = Place::new().run(&["eval", "-e", formula, "--coord=2=0", "--coord=4=1"], "1 1\n2 1\n");
+    assert_eq!(run.out, "1101\n1102\n");
+}
+
+#[test]
+fn undefined_is_a_word() {
+    let run = Place::new().run(&["eval", "-e", "sqrt(x)"], "-1 0 0\n4 0 0\n");
+    assert_eq!(run.out, "undefined\n2\n");
+}
+
+#[test]
+fn formulas_that_begin_with_a_sign() {
+    for arguments in [["eval", "-e", "-x"].as_slice(), &["eval", "-e=-x"], &["eval", "--expression=-x"]] {
+        let run = Place::new().run(arguments, "3 0 0\n");
+        assert_eq!((run.code, run.out.as_str()), (0, "-3\n"), "{arguments:?}: {}", run.err);
+    }
+}
+
+#[test]
+fn a_bad_line_is_named() {
+    let cases = [
+        ("0 0 0\n1 2\n", "line 2: a point has 3 coordinates here, not 2"),
+        ("0 0 0\n1 2 3 4\n", "line 2: a point has 3 coordinates here, not 4"),
+        ("0 0 0\n\n", "line 2: a point has 3 coordinates here, not 0"),
+        ("0 0 zero\n", "line 1: `zero` is not a number"),
+    ];
+    for (input, message) in cases {
+        let run = Place::new().run(&["eval", "-e", "x"], input);
+        assert_eq!(run.code, 1);
+        assert_eq!(run.err, format!("error: standard input, {message}\n"));
+        assert_eq!(run.out.lines().count(), input.lines().count() - 1);
+    }
+}
+
+#[test]
+fn many_points_come_in_order() {
+    let input: String = (0..5000).map(|i| format!("{i} 0 0\n")).collect();
+    let run = Place::new().run(&["eval", "-e", "2*x"], &input);
+    let expected: String = (0..5000).map(|i| format!("{}\n", 2 * i)).collect();
+    assert!(run.out == expected);
+}
+
+#[test]
+fn what_a_command_line_cannot_ask_for() {
+    let place = Place::new();
+    place.file("ball.hf", ATTRIBUTES);
+    let cases: [(&[&str], i32, &str); 9] = [
+        (&["eval"], 2, "MODEL"),
+        (&["eval", "ball.hf", "-e", "x"], 2, "cannot be used with"),
+        (&["eval", "-e", "x", "--param", "r=1"], 2, "has no parameter `r`"),
+        (&["eval", "-e", "x", "--coord", "7=1"], 2, "no coordinate 7"),
+        (&["eval", "-e", "x", "--object", "a"], 2, "no objects"),
+        (&["eval", "ball.hf", "--param", "b[1]=1"], 2, "it has a[1]"),
+        (&["eval", "none.hf"], 1, "there is no file none.hf"),
+        (&["eval", "-e", "x +"], 1, "formula:1:"),
+        (&["check", "ball.hf", "--object", "other"], 1, "other"),
+    ];
+    for (arguments, code, message) in cases {
+        let run = place.run(arguments, "");
+        assert_eq!(run.code, code, "{arguments:?}: {}", run.err);
+        assert!(run.err.contains(message), "{arguments:?}: {}", run.err);
+        assert_eq!(run.err.matches("error").count(), 1, "{arguments:?}: {}", run.err);
+        assert_eq!(run.out, "");
+    }
+}
+
+#[test]
+fn check_tells_what_there_is() {
+    let place = Place::new();
+    place.file("ball.hf", ATTRIBUTES);
+    let run = place.run(&["check", "ball.hf"], "");
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    let has = |line: &str| assert!(run.out.lines().any(|l| l == line), "{line}\n{}", run.out);
+    has("object     my_model: 3 coordinates, 1 parameters, 3 attributes");
+    has("chosen     my_model");
+    has("sign       F >= 0 inside, y up");
+    has("parameter  a[1] = 0");
+    let bounds = run.out.lines().find_map(|l| l.strip_prefix("bounds")).unwrap();
+    let bounds: Vec<f64> = bounds.trim().split(',').map(|x| x.parse().unwrap()).collect();
+    assert!(bounds[..3].iter().all(|x| (-2.1..=-2.0).contains(x)), "{bounds:?}");
+    assert!(bounds[3..].iter().all(|x| (2.0..=2.1).contains(x)), "{bounds:?}");
+}
+
+#[test]
+fn check_warns() {
+    let run = Place::new().run(&["check", "-e", "x^2 + 1"], "");
+    assert_eq!(run.code, 0);
+    assert!(
+        run.out.contains("bounds     none") && run.out.contains("warning: there is no solid"),
+        "{}",
+        run.out
+    );
+}

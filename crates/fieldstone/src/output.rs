@@ -1,0 +1,144 @@
+//! Pictures as files, written beside their place and then renamed, so that there is a whole file or none.
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    LineOrder, SmallVec, WritableImage,
+};
+use fieldstone_scene::{Background, Film};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {reason}", path.display())]
+pub struct OutputError {
+    /// The file.
+    pub path: PathBuf,
+    /// What went wrong.
+    pub reason: io::Error,
+}
+
+/// Writes the picture in front of a background as an 8-bit sRGB PNG.
+///
+/// # Errors
+/// The file cannot be written; nothing is left of it then.
+pub fn write_png(film: &Film, background: &Background, path: &Path) -> Result<(), OutputError> {
+    let pixels = film.composite_over(background);
+    write_beside(path, |file| {
+        let encoder = PngEncoder::new(file);
+        encoder
+            .write_image(&pixels, film.width(), film.height(), ExtendedColorType::Rgb8)
+            .map_err(io::Error::other)
+    })
+}
+
+/// Writes all layers as an EXR file of one part with 32-bit floats, named as in [`CHANNELS`](crate::CHANNELS).
+///
+/// # Errors
+/// The file cannot be written; nothing is left of it then.
+pub fn write_exr(film: &Film, path: &Path) -> Result<(), OutputError> {
+    let channel = |(name, plane): (&str, &[f32])| AnyChannel::new(name, FlatSamples::F32(plane.to_vec()));
+    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = film.layers().map(channel).collect();
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let size = (film.width() as usize, film.height() as usize);
+    let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels));
+    let image = Image::from_layer(layer);
+    write_beside(path, |file| image.write().to_buffered(file).map_err(io::Error::other))
+}
+
+/// Writes a file through `write`, beside its place and then renamed.
+///
+/// # Errors
+/// The file cannot be written; nothing is left of it then.
+pub fn write_beside(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let failed = |reason| OutputError { path: path.to_owned(), reason };
+    let name = path.file_name().ok_or_else(|| failed(io::Error::other("that is not the name of a file")))?;
+    let mut beside = name.to_owned();
+    beside.push(format!(".{}.part", std::process::id()));
+    let beside = path.with_file_name(beside);
+    let written = File::create(&beside)
+        .and_then(|file| {
+            let mut file = BufWriter::new(file);
+            write(&mut file)?;
+            file.flush()
+        })
+        .and_then(|()| fs::rename(&beside, path));
+    written.map_err(|reason| {
+        // It may never have come to be; the error that matters is the first.
+        let _ = fs::remove_file(&beside);
+        failed(reason)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::prelude::{ReadChannels, ReadLayers, read};
+    use fieldstone_scene::{CHANNELS, Pixel};
+
+    fn film() -> Film {
+        let mut film = Film::new(3, 2);
+        let pixel = Pixel { colour: [0.25, 0.5, 1.0], alpha: 1.0, depth: 4.5, part: 0.0, ..Pixel::MISS };
+        film.set(2, 1, &pixel);
+        film
+    }
+
+    #[test]
+    fn an_exr_has_every_layer_and_every_number() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.exr");
+        write_exr(&film(), &path).unwrap();
+        let image =
+            read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+        let image = image.from_file(&path).unwrap();
+        let [layer] = image.layer_data.as_slice() else { panic!("one part") };
+        assert_eq!((layer.size.0, layer.size.1), (3, 2));
+        let mut names: Vec<String> = layer.channel_data.list.iter().map(|c| c.name.to_string()).collect();
+        let mut expected = CHANNELS.map(str::to_owned).to_vec();
+        names.sort();
+        expected.sort();
+        assert_eq!(names, expected);
+        for channel in &layer.channel_data.list {
+            let FlatSamples::F32(samples) = &channel.sample_data else { panic!("32-bit floats") };
+            assert_eq!(samples.as_slice(), film().layer(&channel.name.to_string()).unwrap());
+        }
+    }
+
+    #[test]
+    fn a_png_is_what_is_seen() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.png");
+        let background = Background::default();
+        write_png(&film(), &background, &path).unwrap();
+        let read = image::open(&path).unwrap().to_rgb8();
+        assert_eq!(read.dimensions(), (3, 2));
+        assert_eq!(read.into_raw(), film().composite_over(&background));
+    }
+
+    #[test]
+    fn a_failure_leaves_nothing_and_keeps_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("old.txt");
+        fs::write(&path, "old").unwrap();
+        let failure = write_beside(&path, |file| {
+            file.write_all(b"new")?;
+            Err(io::Error::other("no more"))
+        });
+        assert_eq!(failure.unwrap_err().reason.to_string(), "no more");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert!(write_png(&film(), &Background::default(), &folder.path().join("no/film.png")).is_err());
+        write_beside(&path, |file| file.write_all(b"new")).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    }
+}
