@@ -430,7 +430,8 @@ impl Lane {
         }
         let width = far.0 - near.0;
         let floor = self.floor(settings);
-        if undefined || width <= floor {
+        // A clipped part is looked at once more: it may well be excluded as a span of its own.
+        if undefined || stop - start <= floor {
             let fuel_spent = self.cost > FUEL;
             self.doubt(if undefined || fuel_spent { Certificate::Undecided } else { Certificate::Tolerance });
             let length = if undefined { width } else { (4.0 * width).max(floor) };
