@@ -354,8 +354,11 @@ impl Lane {
         let width = b - a;
         if let Method::Interval { accept_epsilon: Some(epsilon) } = settings.method {
             if width <= epsilon {
-                return self.accept(a, b);
+                self.accept(a, b);
+            } else {
+                self.refine((start, stop), (a, b));
             }
+            return;
         }
         let undefined = span.is_undefined();
         let shortest = if undefined { UNDEFINED_FLOOR * settings.size } else { ACCEPT * settings.size };
