@@ -69,9 +69,11 @@ impl<R: Real> Affine<R> {
         let lo = R::pick(range.lo.is_lt(lo), lo, range.lo);
         let hi = R::pick(hi.is_lt(range.hi), hi, range.hi);
         let known = Self::from_interval(Interval { lo, hi });
-        // Comparisons with NaN are false, so that a line that overflowed is dropped here.
-        let keep =
-            error.is_lt(known.error) | (error.is_lt(k(f64::INFINITY)) & !known.error.is_lt(k(f64::INFINITY)));
+        // Comparisons with NaN are false, so that a line that overflowed is dropped here. Where the value may be
+        // undefined there is no line either.
+        let infinite = k(f64::INFINITY);
+        let unknown = !known.error.is_lt(infinite) & !known.error.is_nan_mask();
+        let keep = error.is_lt(known.error) | (error.is_lt(infinite) & unknown);
         Self {
             centre: R::pick(keep, centre, known.centre),
             slope: R::pick(keep, slope, known.slope),

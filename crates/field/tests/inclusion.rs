@@ -230,7 +230,12 @@ fn affine_holds<P: Precision>(r: &mut Random, least_span: f64) {
                 "{v:e} escapes [{lo:e}, {hi:e}] at {p:?}\n{:?}",
                 field.graph()
             );
-            if lo.is_nan() || !e.is_finite() {
+            assert!(
+                !lo.is_nan() || e.is_nan(),
+                "a line where the value may be undefined\n{:?}",
+                field.graph()
+            );
+            if !e.is_finite() {
                 continue;
             }
             let line = c + s * (2.0 * t - 1.0);

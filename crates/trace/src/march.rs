@@ -354,8 +354,11 @@ impl Lane {
         let width = b - a;
         if let Method::Interval { accept_epsilon: Some(epsilon) } = settings.method {
             if width <= epsilon {
-                return self.accept(a, b);
+                self.accept(a, b);
+            } else {
+                self.refine((start, stop), (a, b));
             }
+            return;
         }
         let undefined = span.is_undefined();
         let shortest = if undefined { UNDEFINED_FLOOR * settings.size } else { ACCEPT * settings.size };
@@ -430,7 +433,8 @@ impl Lane {
         }
         let width = far.0 - near.0;
         let floor = self.floor(settings);
-        if undefined || width <= floor {
+        // A clipped part is looked at once more: it may well be excluded as a span of its own.
+        if undefined || stop - start <= floor {
             let fuel_spent = self.cost > FUEL;
             self.doubt(if undefined || fuel_spent { Certificate::Undecided } else { Certificate::Tolerance });
             let length = if undefined { width } else { (4.0 * width).max(floor) };
