@@ -79,7 +79,7 @@ pub struct FoundBounds {
 /// Finds a box around the places where the field is negative, a little larger than needed.
 ///
 /// The search starts in \[−10, 10\]³; a solid that touches the faces of that, or of which nothing is in it, is searched
-/// in \[−1000, 1000\]³. The box exceeds the solid by about 1 % of its longest side, 3 %
+/// in \[−1000, 1000\]³. The box exceeds the solid by about 1 % of its longest side, 7 %
 /// where that rests on samples.
 ///
 /// ```
@@ -202,8 +202,8 @@ impl<'t> Search<'t> {
         let hull = self.hull.filter(|_| !self.finding.touches)?;
         let (lo, hi) = (hull.cell.lo, hull.cell.hi);
         let longest = hull.cell.longest_side().1;
-        // The distance of samples.
-        let unseen = if self.finding.proved { 0.0 } else { 0.25 * BARREN };
+        // What is thinner than the distance of samples may stick out of what they found.
+        let unseen = if self.finding.proved { 0.0 } else { BARREN };
         let pad = |x: f64| longest * (MARGIN + PADDING + unseen) + x.abs() * 1e-9 + f64::MIN_POSITIVE.sqrt();
         Some(FoundBounds {
             min: lo.map(|x| x - pad(x)),
