@@ -190,9 +190,74 @@ kinds! {
     Gradients Dual;
 }
 
+/// One evaluation.
+#[derive(Debug)]
+pub struct Task<'t, P: Precision> {
+    tape: &'t Tape,
+    level: Level,
+    memory: &'t mut [P::Scalar],
+    outputs: &'t mut [P::Scalar],
+    choices: &'t mut [u8],
+    lanes: usize,
+    trace: bool,
+}
+
+impl<P: Precision> Task<'_, P> {
+    fn dispatch<K: Kind, const TRACE: bool>(self) {
+        let Task { tape, level, memory, outputs, choices, lanes, .. } = self;
+        dispatch_favoured!(level, simd => evaluate::<_, P, K, TRACE>(simd, tape, memory, outputs, choices, lanes));
+    }
+}
+
+/// A kind of evaluation at a precision, compiled once in this crate.
+pub trait Engine<P: Precision>: Kind {
+    /// Runs a tape.
+    fn execute(task: Task<'_, P>);
+}
+
+macro_rules! engines {
+    ($($kind:ident $precision:ident;)*) => {
+        $(
+            impl Engine<$precision> for $kind {
+                fn execute(task: Task<'_, $precision>) {
+                    task.dispatch::<$kind, false>();
+                }
+            }
+        )*
+    };
+}
+engines! {
+    Points F64;
+    Points F32;
+    Affines F64;
+    Affines F32;
+    Gradients F64;
+    Gradients F32;
+}
+
+macro_rules! tracing_engines {
+    ($($kind:ident $precision:ident;)*) => {
+        $(
+            impl Engine<$precision> for $kind {
+                fn execute(task: Task<'_, $precision>) {
+                    if task.trace {
+                        task.dispatch::<$kind, true>();
+                    } else {
+                        task.dispatch::<$kind, false>();
+                    }
+                }
+            }
+        )*
+    };
+}
+tracing_engines! {
+    Intervals F64;
+    Intervals F32;
+}
+
 /// Registers for evaluations of one kind; may be used with any tape.
 #[derive(Debug)]
-pub struct Workspace<P: Precision, K: Kind> {
+pub struct Workspace<P: Precision, K: Engine<P>> {
     memory: Vec<P::Scalar>,
     outputs: Vec<P::Scalar>,
     choices: Vec<u8>,
@@ -200,13 +265,13 @@ pub struct Workspace<P: Precision, K: Kind> {
     kind: PhantomData<K>,
 }
 
-impl<P: Precision, K: Kind> Default for Workspace<P, K> {
+impl<P: Precision, K: Engine<P>> Default for Workspace<P, K> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<P: Precision, K: Kind> Workspace<P, K> {
+impl<P: Precision, K: Engine<P>> Workspace<P, K> {
     /// An empty workspace that uses the widest instructions of this processor.
     pub fn new() -> Self {
         Self::with_level(Level::new())
@@ -244,16 +309,14 @@ impl<P: Precision, K: Kind> Workspace<P, K> {
 
     /// Evaluates `tape` in the first `lanes` lanes, at most [`LANES`].
     pub fn run(&mut self, tape: &Tape, lanes: usize) {
-        self.execute::<false>(tape, lanes);
+        self.execute(tape, lanes, false);
     }
 
-    fn execute<const TRACE: bool>(&mut self, tape: &Tape, lanes: usize) {
+    fn execute(&mut self, tape: &Tape, lanes: usize, trace: bool) {
         let lanes = lanes.min(LANES);
         self.reserve(tape, lanes);
         let Self { memory, outputs, choices, level, .. } = self;
-        let (memory, outputs, choices) =
-            (memory.as_mut_slice(), outputs.as_mut_slice(), choices.as_mut_slice());
-        dispatch_favoured!(*level, simd => evaluate::<_, P, K, TRACE>(simd, tape, memory, outputs, choices, lanes));
+        K::execute(Task { tape, level: *level, memory, outputs, choices, lanes, trace });
     }
 
     /// Makes room, and fills the lanes of the last chunk that nobody asked for with what stands in the last lane.
@@ -277,7 +340,10 @@ impl<P: Precision, K: Kind> Workspace<P, K> {
     }
 }
 
-impl<P: Precision> Workspace<P, Intervals> {
+impl<P: Precision> Workspace<P, Intervals>
+where
+    Intervals: Engine<P>,
+{
     /// Like [`run`](Self::run), and records for [`choice`](Self::choice) which operands of set operations, absolute
     /// values and selections may be taken in each lane.
     pub fn run_traced(&mut self, tape: &Tape, lanes: usize) {
@@ -285,7 +351,7 @@ impl<P: Precision> Workspace<P, Intervals> {
         if self.choices.len() < places {
             self.choices.resize(places, 3);
         }
-        self.execute::<true>(tape, lanes);
+        self.execute(tape, lanes, true);
     }
 
     /// Which operands of the instruction at `place` may be taken in `lane`, as [`Tape::specialise`] wants it.

@@ -567,7 +567,10 @@ impl<R: Real> Domain for R {
         // Both infinite: as for any two that are equal.
         let ratio = R::pick(ratio.is_nan_mask(), k(1.0), ratio);
         let stable = (a + a) / (k(1.0) + ratio + (k(1.0) + ratio * ratio).root());
-        R::pick(k(0.0).is_lt(sum), stable, sum - length)
+        let value = R::pick(k(0.0).is_lt(sum), stable, sum - length);
+        // +∞ and −∞: the limit.
+        let opposite = sum.is_nan_mask() & self.is_eq(self) & other.is_eq(other);
+        R::pick(opposite, k(f64::NEG_INFINITY), value)
     }
     #[inline(always)]
     fn rmax(self, other: Self) -> Self {
