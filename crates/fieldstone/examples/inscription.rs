@@ -37,9 +37,9 @@ const CAP: f64 = 6.0;
 /// The free space between two letters, between centre lines.
 const SPACING: f64 = 1.75;
 const WORD_SPACE: f64 = 2.3;
-const LINE_PITCH: f64 = 8.8;
+const LINE_PITCH: f64 = 9.9;
 /// The size of a unit of the font in the model.
-const UNIT: f64 = 0.115;
+const UNIT: f64 = 0.105;
 
 /// What is left of a circle, seen from its centre.
 #[derive(Clone, Copy)]
@@ -287,7 +287,7 @@ impl Plane {
 
 /// The slab with its raised frame and its foot; the text stands on the plane y = 0 and comes towards −y.
 fn stone(program: &mut Program, text: Value, [x, y, z]: [Value; 3]) -> Option<Value> {
-    let height = 0.12;
+    let height = 0.1;
     // The bevel: the relief is full where the stroke is deep, and loses height towards its edge.
     let relief = {
         let depth = program.unary("neg", y);
@@ -301,10 +301,10 @@ fn stone(program: &mut Program, text: Value, [x, y, z]: [Value; 3]) -> Option<Va
         let sides = [(x, 0), (y, 1), (z, 2)].map(|(a, i)| program.slab(a, centre[i], half[i]));
         program.fold("max", &sides)
     };
-    let slab = block([0.0, 0.5, 0.0], [8.2, 0.5, 8.6])?;
-    let frame = block([0.0, 0.4, 0.0], [8.5, 0.65, 8.9])?;
-    let window = block([0.0, -1.0, 0.0], [8.1, 1.2, 8.5])?;
-    let foot = block([0.0, 0.5, -9.3], [9.0, 1.5, 0.5])?;
+    let slab = block([0.0, 0.5, 0.0], [7.7, 0.5, 8.6])?;
+    let frame = block([0.0, 0.4, 0.0], [8.0, 0.65, 8.9])?;
+    let window = block([0.0, -1.0, 0.0], [7.6, 1.2, 8.5])?;
+    let foot = block([0.0, 0.5, -9.3], [8.5, 1.5, 0.5])?;
     let outside_window = program.unary("neg", window);
     let rim = program.binary("max", frame, outside_window);
     program.fold("min", &[slab, rim, foot, relief])

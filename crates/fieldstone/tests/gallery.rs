@@ -42,7 +42,7 @@ fn read(name: &str) -> Model {
         Some((_, "vm")) => parse_vm(&source),
         _ => parse_formula(&source),
     };
-    model.unwrap_or_else(|errors| panic!("{errors}"))
+    model.map_err(|errors| errors.to_string()).expect("the model can be read")
 }
 
 #[test]
