@@ -33,13 +33,13 @@ const SMALLEST: f64 = 1.0 / (1u64 << 26) as f64;
 
 /// A cell in which the field may be undefined is given up if no sample in it is negative and it is shorter than this
 /// part of the hull, or than a quarter of its distance from it.
-const BARREN: f64 = 1.0 / 64.0;
+const BARREN: f64 = 1.0 / 16.0;
 
 /// A cell longer than this part of the search box is never given up for its samples.
-const COARSEST: f64 = 1.0 / 32.0;
+const COARSEST: f64 = 1.0 / 16.0;
 
-/// What the samples of a cell cost, in cells.
-const SAMPLE_COST: usize = 16;
+/// How many cells a search may give up after sampling them.
+const MOST_SAMPLED: usize = 25_000;
 
 /// How many operations on cells a search may take, over all cells.
 const MOST_OPERATIONS: usize = 150_000_000;
@@ -158,6 +158,7 @@ struct Search<'t> {
     /// Cells with what makes them urgent.
     queue: BinaryHeap<(Urgency, Cell)>,
     cells_left: usize,
+    sampled_left: usize,
     finding: Finding,
 }
 
@@ -173,6 +174,7 @@ impl<'t> Search<'t> {
             hull: None,
             queue: BinaryHeap::new(),
             cells_left: affordable.clamp(4 * LANES, MOST_CELLS),
+            sampled_left: (4 * affordable / LANES).clamp(LANES, MOST_SAMPLED),
             finding: Finding::default(),
         };
         search.push(root, true);
@@ -186,7 +188,7 @@ impl<'t> Search<'t> {
             if batch.is_empty() || self.finding.touches {
                 return self;
             }
-            if batch.len() > self.cells_left {
+            if batch.len() > self.cells_left || self.sampled_left == 0 {
                 self.give_up(&batch);
                 return self;
             }
@@ -200,7 +202,8 @@ impl<'t> Search<'t> {
         let hull = self.hull.filter(|_| !self.finding.touches)?;
         let (lo, hi) = (hull.cell.lo, hull.cell.hi);
         let longest = hull.cell.longest_side().1;
-        let unseen = if self.finding.proved { 0.0 } else { BARREN };
+        // The distance of samples.
+        let unseen = if self.finding.proved { 0.0 } else { 0.25 * BARREN };
         let pad = |x: f64| longest * (MARGIN + PADDING + unseen) + x.abs() * 1e-9 + f64::MIN_POSITIVE.sqrt();
         Some(FoundBounds {
             min: lo.map(|x| x - pad(x)),
@@ -306,7 +309,7 @@ impl<'t> Search<'t> {
         if cell.longest_side().1 > self.hull.map_or(coarsest, |hull| fine(hull).min(coarsest)) {
             return false;
         }
-        self.cells_left = self.cells_left.saturating_sub(SAMPLE_COST);
+        self.sampled_left = self.sampled_left.saturating_sub(1);
         let found = self.negative(&cell.samples());
         self.grow(&found);
         found.is_empty()

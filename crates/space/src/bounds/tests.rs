@@ -259,3 +259,35 @@ fn bindings_count() {
         assert_tight(&solid_bounds(&field, &bindings), [-radius; 3], [radius; 3]);
     }
 }
+
+#[test]
+fn loops_that_intervals_cannot_follow() {
+    // |z| after at most 8 turns of z² + c is below 2: about the Mandelbrot set, as a plate.
+    let mut maker = Maker::new();
+    let [cx, cy, cz] = maker.x;
+    let g = &mut maker.graph;
+    let zero = g.constant(0.0);
+    let (limit, four, one, two) = (g.constant(8.0), g.constant(4.0), g.constant(1.0), g.constant(2.0));
+    let l = g.begin_loop(&[zero, zero, zero], None);
+    let [x, y, n] = [0, 1, 2].map(|i| g.loop_var(l, i));
+    let (xx, yy, xy) = (g.square(x), g.square(y), g.mul(x, y));
+    let r = g.add(xx, yy);
+    let (small, early) = (g.lt(r, four), g.lt(n, limit));
+    let go_on = g.mul(small, early);
+    let (difference, double) = (g.sub(xx, yy), g.mul(two, xy));
+    let next = [g.add(difference, cx), g.add(double, cy), g.add(n, one)];
+    let out = g.end_loop(l, go_on, &next);
+    let squares = [g.square(out[0]), g.square(out[1])];
+    let size = g.add(squares[0], squares[1]);
+    let escaped = g.sub(size, four);
+    let height = g.square(cz);
+    let thin = g.constant(0.09);
+    let slab = g.sub(height, thin);
+    let value = g.max(escaped, slab);
+    let field = maker.field(value);
+    let found = bounds(&field);
+    assert_eq!(found.extent, Extent::Bounded);
+    assert_holds_all(&field, &found, 2.2);
+    assert!(found.min[0] < -1.9 && found.min[0] > -2.1, "{found:?}");
+    assert!(found.max[2] < 0.4, "{found:?}");
+}
