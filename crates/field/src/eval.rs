@@ -42,6 +42,9 @@ macro_rules! dispatch_favoured {
     };
 }
 
+/// Rows behind the registers for the constants of one instruction.
+const SCRATCH_ROWS: u32 = 3;
+
 /// The numbers that an evaluation works with.
 pub trait Precision: 'static {
     /// One number.
@@ -190,9 +193,56 @@ kinds! {
     Gradients Dual;
 }
 
+/// One evaluation.
+#[derive(Debug)]
+pub struct Task<'t, P: Precision> {
+    tape: &'t Tape,
+    level: Level,
+    memory: &'t mut [P::Scalar],
+    outputs: &'t mut [P::Scalar],
+    choices: &'t mut [u8],
+    lanes: usize,
+    trace: bool,
+}
+
+impl<P: Precision> Task<'_, P> {
+    fn dispatch<K: Kind>(self) {
+        let level = self.level;
+        dispatch_favoured!(level, simd => evaluate::<_, P, K>(simd, self));
+    }
+}
+
+/// A kind of evaluation at a precision, compiled once in this crate.
+pub trait Engine<P: Precision>: Kind {
+    /// Runs a tape.
+    fn execute(task: Task<'_, P>);
+}
+
+macro_rules! engines {
+    ($($kind:ident $precision:ident;)*) => {
+        $(
+            impl Engine<$precision> for $kind {
+                fn execute(task: Task<'_, $precision>) {
+                    task.dispatch::<$kind>();
+                }
+            }
+        )*
+    };
+}
+engines! {
+    Points F64;
+    Points F32;
+    Affines F64;
+    Affines F32;
+    Gradients F64;
+    Gradients F32;
+    Intervals F64;
+    Intervals F32;
+}
+
 /// Registers for evaluations of one kind; may be used with any tape.
 #[derive(Debug)]
-pub struct Workspace<P: Precision, K: Kind> {
+pub struct Workspace<P: Precision, K: Engine<P>> {
     memory: Vec<P::Scalar>,
     outputs: Vec<P::Scalar>,
     choices: Vec<u8>,
@@ -200,13 +250,13 @@ pub struct Workspace<P: Precision, K: Kind> {
     kind: PhantomData<K>,
 }
 
-impl<P: Precision, K: Kind> Default for Workspace<P, K> {
+impl<P: Precision, K: Engine<P>> Default for Workspace<P, K> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<P: Precision, K: Kind> Workspace<P, K> {
+impl<P: Precision, K: Engine<P>> Workspace<P, K> {
     /// An empty workspace that uses the widest instructions of this processor.
     pub fn new() -> Self {
         Self::with_level(Level::new())
@@ -244,22 +294,20 @@ impl<P: Precision, K: Kind> Workspace<P, K> {
 
     /// Evaluates `tape` in the first `lanes` lanes, at most [`LANES`].
     pub fn run(&mut self, tape: &Tape, lanes: usize) {
-        self.execute::<false>(tape, lanes);
+        self.execute(tape, lanes, false);
     }
 
-    fn execute<const TRACE: bool>(&mut self, tape: &Tape, lanes: usize) {
+    fn execute(&mut self, tape: &Tape, lanes: usize, trace: bool) {
         let lanes = lanes.min(LANES);
         self.reserve(tape, lanes);
         let Self { memory, outputs, choices, level, .. } = self;
-        let (memory, outputs, choices) =
-            (memory.as_mut_slice(), outputs.as_mut_slice(), choices.as_mut_slice());
-        dispatch_favoured!(*level, simd => evaluate::<_, P, K, TRACE>(simd, tape, memory, outputs, choices, lanes));
+        K::execute(Task { tape, level: *level, memory, outputs, choices, lanes, trace });
     }
 
     /// Makes room, and fills the lanes of the last chunk that nobody asked for with what stands in the last lane.
     fn reserve(&mut self, tape: &Tape, lanes: usize) {
         let row = Self::row_count() * LANES;
-        let needed = tape.register_count as usize * row;
+        let needed = (tape.register_count + SCRATCH_ROWS) as usize * row;
         if self.memory.len() < needed {
             self.memory.resize(needed, P::Scalar::default());
         }
@@ -277,7 +325,10 @@ impl<P: Precision, K: Kind> Workspace<P, K> {
     }
 }
 
-impl<P: Precision> Workspace<P, Intervals> {
+impl<P: Precision> Workspace<P, Intervals>
+where
+    Intervals: Engine<P>,
+{
     /// Like [`run`](Self::run), and records for [`choice`](Self::choice) which operands of set operations, absolute
     /// values and selections may be taken in each lane.
     pub fn run_traced(&mut self, tape: &Tape, lanes: usize) {
@@ -285,7 +336,7 @@ impl<P: Precision> Workspace<P, Intervals> {
         if self.choices.len() < places {
             self.choices.resize(places, 3);
         }
-        self.execute::<true>(tape, lanes);
+        self.execute(tape, lanes, true);
     }
 
     /// Which operands of the instruction at `place` may be taken in `lane`, as [`Tape::specialise`] wants it.
@@ -295,62 +346,47 @@ impl<P: Precision> Workspace<P, Intervals> {
 }
 
 #[inline(always)]
-fn evaluate<S: Simd, P: Precision, K: Kind, const TRACE: bool>(
-    simd: S,
-    tape: &Tape,
-    memory: &mut [P::Scalar],
-    outputs: &mut [P::Scalar],
-    choices: &mut [u8],
-    lanes: usize,
-) {
+fn evaluate<S: Simd, P: Precision, K: Kind>(simd: S, task: Task<'_, P>) {
+    let Task { tape, memory, outputs, choices, lanes, trace, .. } = task;
     let chunks = lanes.div_ceil(P::Real::<S>::LANES);
-    let mut machine = Machine::<S, P, K, TRACE> { simd, tape, memory, choices, kind: PhantomData };
+    let mut machine = Machine::<S, P, K> { simd, tape, memory, choices, trace, kind: PhantomData };
     machine.block(&tape.run.instructions, 0..chunks, true);
     let row = K::Domain::<P::Real<S>>::COMPONENTS * LANES;
     for (o, &operand) in tape.run.outputs.iter().enumerate() {
         for chunk in 0..chunks {
-            let value = machine.fetch(operand).chunk(machine.memory, chunk, simd);
+            let value = machine.get(operand, chunk);
             Rows::store(value, &mut outputs[o * row..][..row], chunk * P::Real::<S>::LANES);
         }
     }
 }
 
-/// An operand, looked up.
-enum Source<D> {
-    Row(usize),
-    Constant(D),
+/// Where the chunks of an operand lie: a register's row, or one chunk of a constant that serves for all.
+#[derive(Clone, Copy)]
+struct Source {
+    start: usize,
+    /// Distance between chunks in lanes: 0 for constants.
+    step: usize,
 }
 
-impl<D: Rows> Source<D> {
-    #[inline(always)]
-    fn chunk(&self, memory: &[ScalarOf<D>], chunk: usize, token: Token<D>) -> D {
-        match self {
-            Source::Row(start) => {
-                D::load(token, &memory[*start..][..D::COMPONENTS * LANES], chunk * D::Real::LANES)
-            }
-            Source::Constant(value) => *value,
-        }
-    }
-}
-
-struct Machine<'m, S: Simd, P: Precision, K: Kind, const TRACE: bool> {
+struct Machine<'m, S: Simd, P: Precision, K: Kind> {
     simd: S,
     tape: &'m Tape,
     memory: &'m mut [P::Scalar],
     choices: &'m mut [u8],
+    trace: bool,
     kind: PhantomData<K>,
 }
 
 type DomainOf<S, P, K> = <K as Kind>::Domain<<P as Precision>::Real<S>>;
 
-impl<S: Simd, P: Precision, K: Kind, const TRACE: bool> Machine<'_, S, P, K, TRACE> {
+impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
     /// Runs a block on some chunks of lanes; choices are recorded for the outermost block only.
     fn block(&mut self, code: &[Instruction], chunks: Range<usize>, outermost: bool) {
         self.simd.vectorize(
             #[inline(always)]
             || {
                 for (place, instruction) in code.iter().enumerate() {
-                    if TRACE && outermost {
+                    if self.trace && outermost {
                         self.trace(place, instruction, chunks.clone());
                     }
                     self.instruction(instruction, chunks.clone());
@@ -359,14 +395,27 @@ impl<S: Simd, P: Precision, K: Kind, const TRACE: bool> Machine<'_, S, P, K, TRA
         );
     }
 
+    /// Looks up an operand; a constant is written to scratch row `slot`, so that the loops over chunks need not ask
+    /// what their operands are.
     #[inline(always)]
-    fn fetch(&self, operand: Operand) -> Source<DomainOf<S, P, K>> {
+    fn fetch(&mut self, operand: Operand, slot: u32) -> Source {
         match operand {
-            Operand::Value(register) => Source::Row(Self::row_start(register)),
+            Operand::Value(register) => {
+                Source { start: Self::row_start(register), step: P::Real::<S>::LANES }
+            }
             Operand::Constant(place) => {
-                Source::Constant(Domain::constant(self.simd, self.tape.constants[place as usize]))
+                let scratch = self.tape.register_count + slot;
+                let value = DomainOf::<S, P, K>::constant(self.simd, self.tape.constants[place as usize]);
+                self.put(scratch, 0, value);
+                Source { start: Self::row_start(scratch), step: 0 }
             }
         }
+    }
+
+    #[inline(always)]
+    fn load(&self, source: Source, chunk: usize) -> DomainOf<S, P, K> {
+        let row = &self.memory[source.start..][..DomainOf::<S, P, K>::COMPONENTS * LANES];
+        Rows::load(self.simd, row, chunk * source.step)
     }
 
     #[inline(always)]
@@ -387,9 +436,9 @@ impl<S: Simd, P: Precision, K: Kind, const TRACE: bool> Machine<'_, S, P, K, TRA
         chunks: Range<usize>,
         f: impl Fn(DomainOf<S, P, K>) -> DomainOf<S, P, K>,
     ) {
-        let a = self.fetch(instruction.operands[0]);
+        let a = self.fetch(instruction.operands[0], 0);
         for chunk in chunks {
-            let value = f(a.chunk(self.memory, chunk, self.simd));
+            let value = f(self.load(a, chunk));
             self.put(instruction.result, chunk, value);
         }
     }
@@ -401,9 +450,9 @@ impl<S: Simd, P: Precision, K: Kind, const TRACE: bool> Machine<'_, S, P, K, TRA
         chunks: Range<usize>,
         f: impl Fn(DomainOf<S, P, K>, DomainOf<S, P, K>) -> DomainOf<S, P, K>,
     ) {
-        let (a, b) = (self.fetch(instruction.operands[0]), self.fetch(instruction.operands[1]));
+        let (a, b) = (self.fetch(instruction.operands[0], 0), self.fetch(instruction.operands[1], 1));
         for chunk in chunks {
-            let value = f(a.chunk(self.memory, chunk, self.simd), b.chunk(self.memory, chunk, self.simd));
+            let value = f(self.load(a, chunk), self.load(b, chunk));
             self.put(instruction.result, chunk, value);
         }
     }
@@ -443,28 +492,33 @@ impl<S: Simd, P: Precision, K: Kind, const TRACE: bool> Machine<'_, S, P, K, TRA
 
     #[inline(always)]
     fn select(&mut self, instruction: &Instruction, chunks: Range<usize>) {
-        let [c, a, b] = instruction.operands.map(|o| self.fetch(o));
+        let [c, a, b] = instruction.operands;
+        let (c, a, b) = (self.fetch(c, 0), self.fetch(a, 1), self.fetch(b, 2));
         for chunk in chunks {
-            let at = |source: &Source<_>, memory: &[P::Scalar]| source.chunk(memory, chunk, self.simd);
-            let value = at(&c, self.memory).select(at(&a, self.memory), at(&b, self.memory), self.simd);
+            let value = self.load(c, chunk).select(self.load(a, chunk), self.load(b, chunk), self.simd);
             self.put(instruction.result, chunk, value);
         }
     }
 
     fn call(&mut self, instruction: &Instruction, function: u32, arguments: u32, chunks: Range<usize>) {
         let function = &*self.tape.functions[function as usize];
-        let sources: Vec<_> =
-            self.tape.run.arguments[arguments as usize].iter().map(|&o| self.fetch(o)).collect();
+        let operands = &self.tape.run.arguments[arguments as usize];
         for chunk in chunks {
-            let values: Vec<_> = sources.iter().map(|s| s.chunk(self.memory, chunk, self.simd)).collect();
+            let values: Vec<_> = operands.iter().map(|&o| self.get(o, chunk)).collect();
             let value = Domain::call(function, &values, self.simd);
             self.put(instruction.result, chunk, value);
         }
     }
 
+    /// An operand in one chunk of lanes.
     #[inline(always)]
     fn get(&self, operand: Operand, chunk: usize) -> DomainOf<S, P, K> {
-        self.fetch(operand).chunk(self.memory, chunk, self.simd)
+        match operand {
+            Operand::Value(register) => {
+                self.load(Source { start: Self::row_start(register), step: P::Real::<S>::LANES }, chunk)
+            }
+            Operand::Constant(place) => Domain::constant(self.simd, self.tape.constants[place as usize]),
+        }
     }
 
     /// Runs a loop on one chunk of lanes. Over sets, a lane may leave and go on at once: what it carries when it may
@@ -529,9 +583,9 @@ impl<S: Simd, P: Precision, K: Kind, const TRACE: bool> Machine<'_, S, P, K, TRA
                 self.choices[start..][..P::Real::<S>::LANES].fill(3);
                 continue;
             }
-            let a = self.fetch(instruction.operands[0]).chunk(self.memory, chunk, self.simd);
+            let a = self.get(instruction.operands[0], chunk);
             let b = match instruction.op {
-                Op::Binary(_) => self.fetch(instruction.operands[1]).chunk(self.memory, chunk, self.simd),
+                Op::Binary(_) => self.get(instruction.operands[1], chunk),
                 _ => a,
             };
             let (Some(a), Some(b)) = (a.range(), b.range()) else { continue };

@@ -127,8 +127,8 @@ impl<R: Real> Interval<R> {
 
     /// The image under a function of the standard library that never falls.
     #[inline(always)]
-    fn rising(self, f: impl Fn(f64) -> f64) -> Self {
-        Self::rounded(self.lo.map(&f), self.hi.map(&f), LIBRARY_ULPS)
+    fn rising(self, f: fn(f64) -> f64) -> Self {
+        Self::rounded(self.lo.map(f), self.hi.map(f), LIBRARY_ULPS)
     }
 
     /// Where any value lies outside [−1, 1].

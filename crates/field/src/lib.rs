@@ -5,6 +5,8 @@
 //! with a slope along a ray, over duals exact gradients.
 
 mod affine;
+mod allocate;
+mod compile;
 mod domain;
 mod dual;
 mod eval;
@@ -22,7 +24,9 @@ mod trig;
 pub use affine::Affine;
 pub use domain::Domain;
 pub use dual::Dual;
-pub use eval::{Affines, F32, F64, Gradients, Intervals, Kind, LANES, Points, Precision, Rows, Workspace};
+pub use eval::{
+    Affines, Engine, F32, F64, Gradients, Intervals, Kind, LANES, Points, Precision, Rows, Task, Workspace,
+};
 pub use field::{Bindings, Field};
 pub use function::Function;
 pub use graph::{Graph, Input, LoopId, Node, NodeId};

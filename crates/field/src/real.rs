@@ -70,9 +70,9 @@ pub trait Real:
     /// Writes to the first [`LANES`](Self::LANES) numbers of a slice.
     fn store(self, target: &mut [Self::Scalar]);
     /// A function, lane by lane, computed in `f64`.
-    fn map(self, f: impl Fn(f64) -> f64) -> Self;
+    fn map(self, f: fn(f64) -> f64) -> Self;
     /// A function of two numbers, lane by lane, computed in `f64`.
-    fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+    fn map2(self, other: Self, f: fn(f64, f64) -> f64) -> Self;
     /// A function of the lane's number.
     fn from_lanes(token: Self::Token, f: impl FnMut(usize) -> f64) -> Self;
     /// The number in one lane.
@@ -138,11 +138,11 @@ macro_rules! scalar_real {
                 target[0] = self;
             }
             #[inline(always)]
-            fn map(self, f: impl Fn(f64) -> f64) -> Self {
+            fn map(self, f: fn(f64) -> f64) -> Self {
                 f(self as f64) as $scalar
             }
             #[inline(always)]
-            fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+            fn map2(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
                 f(self as f64, other as f64) as $scalar
             }
             #[inline(always)]
@@ -286,15 +286,19 @@ macro_rules! wide_real {
                 self.value.store_slice(&mut target[..Self::LANES]);
             }
             #[inline(always)]
-            fn map(self, f: impl Fn(f64) -> f64) -> Self {
-                let lanes = self.value.as_slice();
-                Self { value: S::$vector::from_fn(self.token, |i| f(lanes[i] as f64) as $scalar), ..self }
+            fn map(self, f: fn(f64) -> f64) -> Self {
+                let mut lanes = [0.0; MOST_LANES];
+                spread(self.value.as_slice(), &mut lanes);
+                map_lanes(&mut lanes[..Self::LANES], f);
+                Self { value: S::$vector::from_fn(self.token, |i| lanes[i] as $scalar), ..self }
             }
             #[inline(always)]
-            fn map2(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-                let (a, b) = (self.value.as_slice(), other.value.as_slice());
-                let value = S::$vector::from_fn(self.token, |i| f(a[i] as f64, b[i] as f64) as $scalar);
-                Self { value, ..self }
+            fn map2(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
+                let (mut a, mut b) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+                spread(self.value.as_slice(), &mut a);
+                spread(other.value.as_slice(), &mut b);
+                map2_lanes(&mut a[..Self::LANES], &b, f);
+                Self { value: S::$vector::from_fn(self.token, |i| a[i] as $scalar), ..self }
             }
             #[inline(always)]
             fn from_lanes(token: S, mut f: impl FnMut(usize) -> f64) -> Self {
@@ -368,6 +372,31 @@ wide_real!(
     /// As many `f32` side by side as the processor works on at once.
     Wide32, f32, f32s, mask32s
 );
+
+/// As many lanes as any processor has, and more.
+const MOST_LANES: usize = 16;
+
+#[inline(always)]
+fn spread<T: Scalar>(from: &[T], to: &mut [f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = from.to_f64();
+    }
+}
+
+/// Kept out of the evaluators, whose code would grow with every lane.
+#[inline(never)]
+fn map_lanes(lanes: &mut [f64], f: fn(f64) -> f64) {
+    for lane in lanes {
+        *lane = f(*lane);
+    }
+}
+
+#[inline(never)]
+fn map2_lanes(lanes: &mut [f64], others: &[f64], f: fn(f64, f64) -> f64) {
+    for (lane, &other) in lanes.iter_mut().zip(others) {
+        *lane = f(*lane, other);
+    }
+}
 
 /// A whole power by repeated squaring; exact wherever every step is.
 #[inline(always)]
@@ -567,7 +596,10 @@ impl<R: Real> Domain for R {
         // Both infinite: as for any two that are equal.
         let ratio = R::pick(ratio.is_nan_mask(), k(1.0), ratio);
         let stable = (a + a) / (k(1.0) + ratio + (k(1.0) + ratio * ratio).root());
-        R::pick(k(0.0).is_lt(sum), stable, sum - length)
+        let value = R::pick(k(0.0).is_lt(sum), stable, sum - length);
+        // +∞ and −∞: the limit.
+        let opposite = sum.is_nan_mask() & self.is_eq(self) & other.is_eq(other);
+        R::pick(opposite, k(f64::NEG_INFINITY), value)
     }
     #[inline(always)]
     fn rmax(self, other: Self) -> Self {

@@ -1,15 +1,16 @@
 //! Tapes: programs as linear code over registers.
 //!
-//! A [`Graph`] is scheduled so that few values are alive at a time, constants and inputs that do not vary over a block
+//! A [`Graph`](crate::Graph) is scheduled so that few values are alive at a time, constants and inputs that do not vary over a block
 //! are kept in a table, and registers are given out by a linear scan. The code before register allocation, in which
 //! every value is assigned once, is kept for [`Tape::specialise`].
 
+use crate::allocate::Allocator;
+use crate::compile::compile;
 use crate::field::{Bindings, Field};
 use crate::function::Function;
-use crate::graph::{Graph, Input, LoopId, Node, NodeId};
+use crate::graph::Input;
 use crate::op::{Binary, Unary};
 use crate::reference::DEFAULT_FUEL;
-use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// Where an operand comes from.
@@ -124,22 +125,15 @@ pub struct Tape {
 impl Tape {
     /// Compiles a field.
     pub fn new(field: &Field, options: &TapeOptions) -> Self {
-        let mut outputs = vec![field.value()];
-        if options.attributes {
-            outputs.extend(field.attributes());
-        }
-        let mut compiler = Compiler::new(field.graph(), options);
-        let instructions = compiler.block(&outputs);
-        let outputs = outputs.iter().map(|&o| compiler.operand(o)).collect();
-        let code = Code { instructions, loops: compiler.loops, arguments: compiler.arguments, outputs };
+        let compiled = compile(field, options);
         let mut tape = Self {
             run: Code::default(),
-            code,
+            code: compiled.code,
             register_count: 0,
-            value_count: compiler.value_count,
+            value_count: compiled.value_count,
             input_count: options.varying.len() as u32,
-            constants: Arc::new(compiler.constants),
-            uniforms: Arc::new(compiler.uniforms),
+            constants: Arc::new(compiled.constants),
+            uniforms: Arc::new(compiled.uniforms),
             functions: Arc::new(field.graph().functions.clone()),
             fuel: options.fuel,
         };
@@ -325,15 +319,7 @@ impl Tape {
 
     /// Gives every value a register.
     fn allocate(&mut self) {
-        let mut allocator = Allocator {
-            code: &self.code,
-            register: vec![u32::MAX; self.value_count as usize],
-            free: Vec::new(),
-            count: self.input_count,
-        };
-        for i in 0..self.input_count {
-            allocator.register[i as usize] = i;
-        }
+        let mut allocator = Allocator::new(&self.code, self.value_count, self.input_count);
         let kept: Vec<Operand> = self.code.outputs.clone();
         allocator.block(&self.code.instructions, &kept);
         let (register, count) = (allocator.register, allocator.count);
@@ -349,7 +335,7 @@ impl Tape {
 }
 
 impl LoopCode {
-    fn for_each_operand(&self, f: &mut impl FnMut(&Operand)) {
+    pub(crate) fn for_each_operand(&self, f: &mut impl FnMut(&Operand)) {
         self.initial.iter().chain(&self.next).chain([&self.condition]).for_each(&mut *f);
         self.test.iter().chain(&self.body).flat_map(|i| &i.operands).for_each(f);
     }
@@ -375,275 +361,5 @@ impl Code {
             let values = l.carried.iter_mut().chain(&mut l.results).chain(&mut l.waiting);
             results.chain(values).for_each(|v| *v = value(*v));
         }
-    }
-}
-
-/// Registers by linear scan; a loop is one instruction that holds all it needs until it ends.
-struct Allocator<'c> {
-    code: &'c Code,
-    register: Vec<u32>,
-    free: Vec<u32>,
-    count: u32,
-}
-
-impl Allocator<'_> {
-    fn give(&mut self, value: u32) {
-        let register = self.free.pop().unwrap_or_else(|| {
-            self.count += 1;
-            self.count - 1
-        });
-        self.register[value as usize] = register;
-    }
-
-    /// What an instruction reads that was made outside it.
-    fn reads(&self, instruction: &Instruction) -> Vec<u32> {
-        let mut reads = Vec::with_capacity(3);
-        self.collect_reads(instruction, &mut reads);
-        reads
-    }
-
-    fn collect_reads(&self, instruction: &Instruction, reads: &mut Vec<u32>) {
-        let mut push = |o: &Operand| {
-            if let Operand::Value(v) = o {
-                reads.push(*v);
-            }
-        };
-        match instruction.op {
-            Op::Loop(l) => {
-                let code = &self.code.loops[l as usize];
-                code.for_each_operand(&mut push);
-                for inner in code.test.iter().chain(&code.body) {
-                    if matches!(inner.op, Op::Loop(_) | Op::Call { .. }) {
-                        self.collect_reads(inner, reads);
-                    }
-                }
-            }
-            Op::Call { arguments, .. } => self.code.arguments[arguments as usize].iter().for_each(push),
-            _ => instruction.operands.iter().for_each(push),
-        }
-    }
-
-    /// Allocates a block; `kept` must survive it. Values made outside the block are not freed in it.
-    fn block(&mut self, instructions: &[Instruction], kept: &[Operand]) {
-        let mut last_read: FxHashMap<u32, usize> = FxHashMap::default();
-        for (i, instruction) in instructions.iter().enumerate() {
-            for v in self.reads(instruction) {
-                last_read.insert(v, i);
-            }
-        }
-        for o in kept {
-            if let Operand::Value(v) = o {
-                last_read.insert(*v, usize::MAX);
-            }
-        }
-        let mut made: Vec<u32> = Vec::new();
-        let mut own: rustc_hash::FxHashSet<u32> = Default::default();
-        for (i, instruction) in instructions.iter().enumerate() {
-            let results: Vec<u32> = match instruction.op {
-                Op::Loop(l) => {
-                    self.inner_loop(l);
-                    self.code.loops[l as usize].results.clone()
-                }
-                _ => Vec::new(),
-            };
-            // What is read here for the last time may lend its register to the result.
-            for v in self.reads(instruction) {
-                if last_read.get(&v) == Some(&i) && own.remove(&v) {
-                    self.free.push(self.register[v as usize]);
-                }
-            }
-            let simple = if results.is_empty() && !matches!(instruction.op, Op::Loop(_)) {
-                self.give(instruction.result);
-                vec![instruction.result]
-            } else {
-                results
-            };
-            for v in simple {
-                made.push(v);
-                if last_read.contains_key(&v) {
-                    own.insert(v);
-                } else {
-                    self.free.push(self.register[v as usize]);
-                }
-            }
-        }
-        // The block's values end with it, but for those kept, whose owner frees them.
-        for v in made {
-            if own.contains(&v) && last_read.get(&v) != Some(&usize::MAX) {
-                self.free.push(self.register[v as usize]);
-            }
-        }
-    }
-
-    fn inner_loop(&mut self, l: u32) {
-        let code = &self.code.loops[l as usize];
-        let (carried, waiting, results) = (code.carried.clone(), code.waiting.clone(), code.results.clone());
-        carried.iter().chain(&waiting).chain(&results).for_each(|&v| self.give(v));
-        let all: Vec<Instruction> = code.test.iter().chain(&code.body).copied().collect();
-        let kept: Vec<Operand> = code.next.iter().copied().chain([code.condition]).collect();
-        self.block(&all, &kept);
-        let inside: rustc_hash::FxHashSet<u32> = all.iter().map(|i| i.result).collect();
-        let mut freed: rustc_hash::FxHashSet<u32> = Default::default();
-        for o in kept {
-            if let Operand::Value(v) = o {
-                if inside.contains(&v) && freed.insert(v) {
-                    self.free.push(self.register[v as usize]);
-                }
-            }
-        }
-        carried.iter().chain(&waiting).for_each(|&v| self.free.push(self.register[v as usize]));
-    }
-}
-
-/// Turns a graph into code.
-struct Compiler<'g> {
-    graph: &'g Graph,
-    /// The operand of every node that has one by now.
-    operands: Vec<Option<Operand>>,
-    /// How many registers a node's tree needs, roughly (Sethi and Ullman 1970).
-    needs: Vec<u16>,
-    constants: Vec<f64>,
-    constant_places: FxHashMap<u64, u32>,
-    uniforms: Vec<(Input, u32)>,
-    options: &'g TapeOptions,
-    loops: Vec<LoopCode>,
-    arguments: Vec<Vec<Operand>>,
-    value_count: u32,
-}
-
-impl<'g> Compiler<'g> {
-    fn new(graph: &'g Graph, options: &'g TapeOptions) -> Self {
-        let mut needs = vec![1u16; graph.len()];
-        for n in 0..graph.len() {
-            let mut of: Vec<u16> = graph.nodes[n].operands().iter().map(|o| needs[o.0 as usize]).collect();
-            of.sort_unstable_by(|a, b| b.cmp(a));
-            needs[n] =
-                of.iter().enumerate().map(|(i, need)| need.saturating_add(i as u16)).max().unwrap_or(1);
-        }
-        Self {
-            graph,
-            operands: vec![None; graph.len()],
-            needs,
-            constants: Vec::new(),
-            constant_places: FxHashMap::default(),
-            uniforms: Vec::new(),
-            options,
-            loops: Vec::new(),
-            arguments: Vec::new(),
-            value_count: options.varying.len() as u32,
-        }
-    }
-
-    fn new_value(&mut self) -> u32 {
-        self.value_count += 1;
-        self.value_count - 1
-    }
-
-    fn constant(&mut self, value: f64) -> Operand {
-        let next = self.constants.len() as u32;
-        let place = *self.constant_places.entry(value.to_bits()).or_insert(next);
-        if place == next {
-            self.constants.push(value);
-        }
-        Operand::Constant(place)
-    }
-
-    fn input(&mut self, input: Input) -> Operand {
-        if let Some(place) = self.options.varying.iter().position(|v| *v == input) {
-            return Operand::Value(place as u32);
-        }
-        // A place of its own, so that binding the input changes nothing else.
-        let place = self.constants.len() as u32;
-        self.constants.push(self.options.bindings.get(input));
-        self.uniforms.push((input, place));
-        Operand::Constant(place)
-    }
-
-    fn operand(&self, n: NodeId) -> Operand {
-        self.operands[n.0 as usize].unwrap_or(Operand::Constant(0))
-    }
-
-    /// The code for `roots`, in an order that keeps few values alive.
-    fn block(&mut self, roots: &[NodeId]) -> Vec<Instruction> {
-        let mut code = Vec::new();
-        let mut stack: Vec<NodeId> = roots.iter().rev().copied().collect();
-        while let Some(&n) = stack.last() {
-            if self.operands[n.0 as usize].is_some() {
-                stack.pop();
-                continue;
-            }
-            let mut missing = match self.graph.node(n) {
-                Node::LoopOut(l, _) => self.graph.loop_free_nodes(*l),
-                other => other.operands(),
-            };
-            missing.retain(|o| self.operands[o.0 as usize].is_none());
-            if missing.is_empty() {
-                stack.pop();
-                self.emit(n, &mut code);
-            } else {
-                // The last one pushed comes first: the neediest.
-                missing.sort_by_key(|o| self.needs[o.0 as usize]);
-                stack.extend(missing);
-            }
-        }
-        code
-    }
-
-    fn emit(&mut self, n: NodeId, code: &mut Vec<Instruction>) {
-        let none = Operand::Constant(0);
-        let (op, operands) = match self.graph.node(n).clone() {
-            Node::Constant(bits) => {
-                let operand = self.constant(f64::from_bits(bits));
-                self.operands[n.0 as usize] = Some(operand);
-                return;
-            }
-            Node::Input(input) => {
-                let operand = self.input(input);
-                self.operands[n.0 as usize] = Some(operand);
-                return;
-            }
-            Node::LoopVar(..) => return,
-            Node::LoopOut(l, _) => return self.emit_loop(l, code),
-            Node::Unary(op, a) => (Op::Unary(op), [self.operand(a), none, none]),
-            Node::Powi(a, k) => (Op::Powi(k), [self.operand(a), none, none]),
-            Node::Binary(op, a, b) => (Op::Binary(op), [self.operand(a), self.operand(b), none]),
-            Node::Select(c, a, b) => (Op::Select, [self.operand(c), self.operand(a), self.operand(b)]),
-            Node::Call(function, list) => {
-                let list = list.iter().map(|&a| self.operand(a)).collect();
-                self.arguments.push(list);
-                (Op::Call { function, arguments: self.arguments.len() as u32 - 1 }, [none; 3])
-            }
-        };
-        let result = self.new_value();
-        self.operands[n.0 as usize] = Some(Operand::Value(result));
-        code.push(Instruction { op, operands, result, sign_only: false });
-    }
-
-    fn emit_loop(&mut self, l: LoopId, code: &mut Vec<Instruction>) {
-        let source = self.graph.loops[l.0 as usize].clone();
-        let count = source.initial.len();
-        let mut fresh = || (0..count).map(|_| self.new_value()).collect::<Vec<u32>>();
-        let (carried, results, waiting) = (fresh(), fresh(), fresh());
-        for (n, node) in self.graph.nodes.iter().enumerate() {
-            match node {
-                Node::LoopVar(id, i) if *id == l => {
-                    self.operands[n] = Some(Operand::Value(carried[*i as usize]))
-                }
-                Node::LoopOut(id, i) if *id == l => {
-                    self.operands[n] = Some(Operand::Value(results[*i as usize]))
-                }
-                _ => {}
-            }
-        }
-        let initial = source.initial.iter().map(|&n| self.operand(n)).collect();
-        let test = self.block(&[source.condition]);
-        let body = self.block(&source.next);
-        let condition = self.operand(source.condition);
-        let next = source.next.iter().map(|&n| self.operand(n)).collect();
-        self.loops.push(LoopCode { carried, results, waiting, initial, test, condition, body, next });
-        let number = self.loops.len() as u32 - 1;
-        let result = self.new_value();
-        let none = Operand::Constant(0);
-        code.push(Instruction { op: Op::Loop(number), operands: [none; 3], result, sign_only: false });
     }
 }

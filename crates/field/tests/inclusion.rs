@@ -100,7 +100,10 @@ fn ranges<P: Precision>(
     tape: &Tape,
     boxes: &[[Interval<f64>; 3]],
     w: &mut Workspace<P, Intervals>,
-) -> Vec<Interval<f64>> {
+) -> Vec<Interval<f64>>
+where
+    Intervals: Engine<P>,
+{
     let single = size_of::<P::Scalar>() == 4;
     for axis in 0..3 {
         for (lane, b) in boxes.iter().enumerate() {
@@ -179,7 +182,10 @@ fn affine_forms_hold_every_value() {
     affine_holds::<F32>(&mut r, 1e-6);
 }
 
-fn affine_holds<P: Precision>(r: &mut Random, least_span: f64) {
+fn affine_holds<P: Precision>(r: &mut Random, least_span: f64)
+where
+    Affines: Engine<P>,
+{
     let mut w = Workspace::<P, Affines>::new();
     let mut sloped = 0;
     for round in 0..3000 {

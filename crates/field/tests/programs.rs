@@ -67,7 +67,11 @@ fn points(count: usize, reach: f64) -> Vec<[f64; 3]> {
         .collect()
 }
 
-fn run<K: Kind>(tape: &Tape, fill: impl Fn(usize, usize) -> Vec<f64>, lanes: usize) -> Workspace<F64, K> {
+fn run<K: Engine<F64>>(
+    tape: &Tape,
+    fill: impl Fn(usize, usize) -> Vec<f64>,
+    lanes: usize,
+) -> Workspace<F64, K> {
     let mut w = Workspace::<F64, K>::new();
     for lane in 0..lanes {
         for axis in 0..3 {
