@@ -26,6 +26,26 @@ fn hyperfun_keeps_its_sign_and_shows_attributes() {
     assert_eq!(run.out, "2.9375\t0\t0.5\t0.5\n-2\t2\t0.5\tundefined\n");
 }
 
+/// Tables of HyperFun models with attributes: three coordinates, the value in the file's sign, s[1] to s[3].
+#[test]
+fn golden_rows() {
+    let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../lang/tests/golden");
+    for name in ["attr_checker", "attr_color", "attr_hsv2rgb"] {
+        let table = std::fs::read_to_string(format!("{golden}/{name}.tsv")).unwrap();
+        let numbers = |line: &str| -> Vec<f64> { line.split('\t').map(|n| n.parse().unwrap()).collect() };
+        let rows: Vec<Vec<f64>> = table.lines().skip(1).map(numbers).collect();
+        let points: String = rows.iter().map(|r| format!("{} {} {}\n", r[0], r[1], r[2])).collect();
+        let run = Place::new().run(&["eval", &format!("{golden}/{name}.hf")], &points);
+        assert_eq!((run.code, run.out.lines().count()), (0, rows.len()), "{}", run.err);
+        for (row, line) in rows.iter().zip(run.out.lines()) {
+            let values = numbers(line);
+            assert_eq!(values.len(), 4);
+            let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-9 * a.abs().max(1.0);
+            assert!(row[3..].iter().zip(&values).all(close), "{name}: {row:?} {values:?}");
+        }
+    }
+}
+
 #[test]
 fn fixed_coordinates_leave_the_table() {
     let formula = "x + 10*y + 100*z + 1000*w";
