@@ -68,18 +68,14 @@ impl<R: Real> Affine<R> {
         let (lo, hi) = (centre - reach, centre + reach);
         let lo = R::pick(range.lo.is_lt(lo), lo, range.lo);
         let hi = R::pick(hi.is_lt(range.hi), hi, range.hi);
-        let known = Self::from_interval(Interval { lo, hi });
-        // Comparisons with NaN are false, so that a line that overflowed is dropped here. Where the value may be
-        // undefined there is no line either.
-        let infinite = k(f64::INFINITY);
-        let unknown = !known.error.is_lt(infinite) & !known.error.is_nan_mask();
-        let keep = error.is_lt(known.error) | (error.is_lt(infinite) & unknown);
-        Self {
-            centre: R::pick(keep, centre, known.centre),
-            slope: R::pick(keep, slope, known.slope),
-            error: R::pick(keep, error, known.error),
-            range: known.range,
+        // A line whose error alone reaches as far as the range says nothing that the range does not. Comparisons with
+        // NaN are false, so that a line that overflowed is dropped here, as one where the value may be undefined.
+        let keep = error.is_lt((hi - lo) * k(0.5));
+        let line = Self { centre, slope, error, range: Interval { lo, hi } };
+        if !R::any(!keep) {
+            return line;
         }
+        Self::choose(keep, line, Self::from_interval(line.range))
     }
 
     /// α·X + ζ ± δ.
@@ -267,6 +263,13 @@ impl<R: Real> Domain for Affine<R> {
     }
 
     #[inline(always)]
+    fn scaled(self, k: f64) -> Self {
+        let factor = R::splat(self.centre.token(), k);
+        let (centre, slope) = (self.centre * factor, self.slope * factor);
+        let error = self.error * factor.magnitude();
+        Self::make(centre, slope, error, self.range.scaled(k), centre.magnitude() + slope.magnitude())
+    }
+    #[inline(always)]
     fn abs(self) -> Self {
         let (l, h) = (self.range.lo, self.range.hi);
         let zero = R::splat(self.centre.token(), 0.0);
@@ -301,6 +304,10 @@ impl<R: Real> Domain for Affine<R> {
     #[inline(always)]
     fn powi(self, n: i32) -> Self {
         let image = self.range.powi(n);
+        if n == 4 {
+            let fit = Domain::square(Domain::square(self));
+            return Self::make(fit.centre, fit.slope, fit.error, image, R::splat(self.centre.token(), 0.0));
+        }
         if !(3..=8).contains(&n) {
             // Higher powers are far from any line; 2 and −1 are operations of their own.
             return Self::only(image);

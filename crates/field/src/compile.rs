@@ -3,7 +3,7 @@
 use crate::field::Field;
 use crate::graph::{Graph, Input, LoopId, Node, NodeId};
 use crate::tape::{Code, Instruction, LoopCode, Op, Operand, TapeOptions};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Code and the tables that it refers to.
 pub(crate) struct Compiled {
@@ -21,6 +21,7 @@ pub(crate) fn compile(field: &Field, options: &TapeOptions) -> Compiled {
         outputs.extend(field.attributes());
     }
     let mut compiler = Compiler::new(field.graph(), options);
+    compiler.find_needed(&outputs);
     let instructions = compiler.block(&outputs);
     let outputs = outputs.iter().map(|&o| compiler.operand(o)).collect();
     let Compiler { loops, arguments, constants, uniforms, value_count, .. } = compiler;
@@ -38,6 +39,8 @@ struct Compiler<'g> {
     constant_places: FxHashMap<u64, u32>,
     uniforms: Vec<(Input, u32)>,
     options: &'g TapeOptions,
+    /// The carried values that matter to the outputs, loop by loop.
+    needed: FxHashSet<(LoopId, u32)>,
     loops: Vec<LoopCode>,
     arguments: Vec<Vec<Operand>>,
     value_count: u32,
@@ -60,10 +63,59 @@ impl<'g> Compiler<'g> {
             constant_places: FxHashMap::default(),
             uniforms: Vec::new(),
             options,
+            needed: FxHashSet::default(),
             loops: Vec::new(),
             arguments: Vec::new(),
             value_count: options.varying.len() as u32,
         }
+    }
+
+    /// Finds the carried values that the outputs depend on, through other carried values and conditions too.
+    fn find_needed(&mut self, outputs: &[NodeId]) {
+        let mut seen = vec![false; self.graph.len()];
+        let mut stack = outputs.to_vec();
+        while let Some(n) = stack.pop() {
+            if std::mem::replace(&mut seen[n.0 as usize], true) {
+                continue;
+            }
+            match self.graph.node(n) {
+                Node::LoopOut(l, i) | Node::LoopVar(l, i) => {
+                    let body = &self.graph.loops[l.0 as usize];
+                    self.needed.insert((*l, *i));
+                    stack.extend([body.initial[*i as usize], body.next[*i as usize], body.condition]);
+                }
+                other => stack.extend(other.operands()),
+            }
+        }
+    }
+
+    fn carried(&self, l: LoopId) -> Vec<usize> {
+        let count = self.graph.loops[l.0 as usize].initial.len() as u32;
+        (0..count).filter(|&i| self.needed.contains(&(l, i))).map(|i| i as usize).collect()
+    }
+
+    /// The nodes outside a loop that it reads.
+    fn free_nodes(&self, l: LoopId) -> Vec<NodeId> {
+        let body = &self.graph.loops[l.0 as usize];
+        let carried = self.carried(l);
+        let mut free: Vec<NodeId> = carried.iter().map(|&i| body.initial[i]).collect();
+        let mut stack: Vec<NodeId> = carried.iter().map(|&i| body.next[i]).chain([body.condition]).collect();
+        let mut seen = FxHashSet::default();
+        while let Some(n) = stack.pop() {
+            if !seen.insert(n) {
+                continue;
+            }
+            if !self.graph.is_within(self.graph.scopes[n.0 as usize], l) {
+                free.push(n);
+                continue;
+            }
+            match self.graph.node(n) {
+                Node::LoopVar(..) => {}
+                Node::LoopOut(inner, _) => stack.extend(self.free_nodes(*inner)),
+                other => stack.extend(other.operands()),
+            }
+        }
+        free
     }
 
     fn new_value(&mut self) -> u32 {
@@ -105,7 +157,7 @@ impl<'g> Compiler<'g> {
                 continue;
             }
             let mut missing = match self.graph.node(n) {
-                Node::LoopOut(l, _) => self.graph.loop_free_nodes(*l),
+                Node::LoopOut(l, _) => self.free_nodes(*l),
                 other => other.operands(),
             };
             missing.retain(|o| self.operands[o.0 as usize].is_none());
@@ -153,25 +205,26 @@ impl<'g> Compiler<'g> {
 
     fn emit_loop(&mut self, l: LoopId, code: &mut Vec<Instruction>) {
         let source = self.graph.loops[l.0 as usize].clone();
-        let count = source.initial.len();
-        let mut fresh = || (0..count).map(|_| self.new_value()).collect::<Vec<u32>>();
+        let kept = self.carried(l);
+        let mut fresh = || kept.iter().map(|_| self.new_value()).collect::<Vec<u32>>();
         let (carried, results, waiting) = (fresh(), fresh(), fresh());
         for (n, node) in self.graph.nodes.iter().enumerate() {
-            match node {
-                Node::LoopVar(id, i) if *id == l => {
-                    self.operands[n] = Some(Operand::Value(carried[*i as usize]))
-                }
-                Node::LoopOut(id, i) if *id == l => {
-                    self.operands[n] = Some(Operand::Value(results[*i as usize]))
-                }
-                _ => {}
+            let (id, i, values) = match node {
+                Node::LoopVar(id, i) => (id, i, &carried),
+                Node::LoopOut(id, i) => (id, i, &results),
+                _ => continue,
+            };
+            let place = kept.iter().position(|k| *k == *i as usize);
+            if let Some(place) = place.filter(|_| *id == l) {
+                self.operands[n] = Some(Operand::Value(values[place]));
             }
         }
-        let initial = source.initial.iter().map(|&n| self.operand(n)).collect();
+        let initial = kept.iter().map(|&i| self.operand(source.initial[i])).collect();
         let test = self.block(&[source.condition]);
-        let body = self.block(&source.next);
+        let next: Vec<NodeId> = kept.iter().map(|&i| source.next[i]).collect();
+        let body = self.block(&next);
         let condition = self.operand(source.condition);
-        let next = source.next.iter().map(|&n| self.operand(n)).collect();
+        let next = next.iter().map(|&n| self.operand(n)).collect();
         self.loops.push(LoopCode { carried, results, waiting, initial, test, condition, body, next });
         let number = self.loops.len() as u32 - 1;
         let result = self.new_value();

@@ -462,9 +462,12 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
         macro_rules! unary_arms {
             ($($(#[$doc:meta])* $variant:ident $method:ident $name:literal,)*) => {
                 match instruction.op {
-                    $(Op::Unary(Unary::$variant) => self.unary(instruction, chunks, |a| Domain::$method(a)),)*
-                    Op::Binary(op) => self.binary_instruction(op, instruction, chunks),
-                    Op::Powi(n) => self.unary(instruction, chunks, |a| a.powi(n)),
+                    $(Op::Unary(Unary::$variant) => self.unary(instruction, chunks, #[inline(always)] |a| Domain::$method(a)),)*
+                    Op::Binary(op) => match self.constant_factor(instruction) {
+                        Some((k, factor)) => self.unary(&factor, chunks, #[inline(always)] |a| a.scaled(k)),
+                        None => self.binary_instruction(op, instruction, chunks),
+                    },
+                    Op::Powi(n) => self.unary(instruction, chunks, #[inline(always)] |a| a.powi(n)),
                     Op::Select => self.select(instruction, chunks),
                     Op::Call { function, arguments } => self.call(instruction, function, arguments, chunks),
                     Op::Loop(l) => {
@@ -478,12 +481,25 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
         crate::for_each_unary!(unary_arms);
     }
 
+    /// A product with a constant that the numbers hold exactly, as the constant and an instruction on the other operand.
+    #[inline(always)]
+    fn constant_factor(&self, instruction: &Instruction) -> Option<(f64, Instruction)> {
+        let Op::Binary(Binary::Mul) = instruction.op else { return None };
+        let (place, other) = match instruction.operands {
+            [Operand::Constant(place), other, _] | [other, Operand::Constant(place), _] => (place, other),
+            _ => return None,
+        };
+        let k = self.tape.constants[place as usize];
+        let exact = k.is_finite() && P::Scalar::from_f64(k).to_f64() == k;
+        exact.then(|| (k, Instruction { operands: [other; 3], ..*instruction }))
+    }
+
     #[inline(always)]
     fn binary_instruction(&mut self, op: Binary, instruction: &Instruction, chunks: Range<usize>) {
         macro_rules! binary_arms {
             ($($(#[$doc:meta])* $variant:ident $method:ident $name:literal,)*) => {
                 match op {
-                    $(Binary::$variant => self.binary(instruction, chunks, |a, b| Domain::$method(a, b)),)*
+                    $(Binary::$variant => self.binary(instruction, chunks, #[inline(always)] |a, b| Domain::$method(a, b)),)*
                 }
             };
         }
@@ -524,6 +540,14 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
     /// Runs a loop on one chunk of lanes. Over sets, a lane may leave and go on at once: what it carries when it may
     /// leave is joined.
     fn run_loop(&mut self, code: &LoopCode, chunk: usize) {
+        self.simd.vectorize(
+            #[inline(always)]
+            || self.turn(code, chunk),
+        );
+    }
+
+    #[inline(always)]
+    fn turn(&mut self, code: &LoopCode, chunk: usize) {
         let simd = self.simd;
         let undefined = <DomainOf<S, P, K> as Domain>::undefined(simd);
         let mut turning = P::Real::<S>::mask_from_lanes(simd, |_| true);

@@ -335,6 +335,20 @@ impl<R: Real> Domain for Interval<R> {
     }
 
     #[inline(always)]
+    fn scaled(self, k: f64) -> Self {
+        let factor = self.constant_real(k);
+        let (p, q) = (self.lo * factor, self.hi * factor);
+        let (lo, hi) = if k < 0.0 { (q, p) } else { (p, q) };
+        let product =
+            Self::rounded(lo, hi, 1.0).undefined_where((p + q).is_nan_mask() & !(p.is_eq(p) & q.is_eq(q)));
+        // What was not negative is not after a positive factor either.
+        if k < 0.0 {
+            return product;
+        }
+        let positive = self.zero().is_le(self.lo) & product.lo.is_lt(self.zero());
+        Self { lo: R::pick(positive, self.zero(), product.lo), hi: product.hi }
+    }
+    #[inline(always)]
     fn abs(self) -> Self {
         let (l, h) = (self.lo.magnitude(), self.hi.magnitude());
         let lo = R::pick(self.straddles_zero(), self.zero(), l.lesser(h));

@@ -492,8 +492,9 @@ impl<'p> Lowering<'p, '_> {
     /// Both sides count, even where one would decide: an undefined one makes the result undefined.
     fn logic(&mut self, operator: Operator, a: Operand, b: Operand) -> NodeId {
         let (a, b) = (self.truth(a), self.truth(b));
+        // Truth values are 0 or 1: the smaller and the larger are exact over intervals too, and hand on what is undefined.
         match (operator, self.graph.constant_value(a), self.graph.constant_value(b)) {
-            (Operator::And, ..) => self.graph.mul(a, b),
+            (Operator::And, ..) => self.graph.min(a, b),
             (_, Some(0.0), _) => b,
             (_, _, Some(0.0)) => a,
             _ => self.graph.max(a, b),
