@@ -136,10 +136,12 @@ impl<R: Real> Rows for Affine<R> {
     }
     #[inline(always)]
     fn store(self, rows: &mut [R::Scalar], lane: usize) {
-        let parts = [self.centre, self.slope, self.error, self.range.lo, self.range.hi];
-        for (i, part) in parts.into_iter().enumerate() {
-            Real::store(part, &mut rows[i * LANES + lane..]);
-        }
+        // One by one: a loop over an array of them goes through memory.
+        Real::store(self.centre, &mut rows[lane..]);
+        Real::store(self.slope, &mut rows[LANES + lane..]);
+        Real::store(self.error, &mut rows[2 * LANES + lane..]);
+        Real::store(self.range.lo, &mut rows[3 * LANES + lane..]);
+        Real::store(self.range.hi, &mut rows[4 * LANES + lane..]);
     }
 }
 
@@ -155,9 +157,10 @@ impl<R: Real> Rows for Dual<R> {
     #[inline(always)]
     fn store(self, rows: &mut [R::Scalar], lane: usize) {
         let [x, y, z] = self.gradient;
-        for (i, part) in [self.value, x, y, z].into_iter().enumerate() {
-            Real::store(part, &mut rows[i * LANES + lane..]);
-        }
+        Real::store(self.value, &mut rows[lane..]);
+        Real::store(x, &mut rows[LANES + lane..]);
+        Real::store(y, &mut rows[2 * LANES + lane..]);
+        Real::store(z, &mut rows[3 * LANES + lane..]);
     }
 }
 

@@ -217,12 +217,11 @@ fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - part)) + (b - part))
 }
 
+/// The sum rounded down; NaN where it overflows.
 #[inline(always)]
 fn add_down<R: Real>(a: R, b: R) -> R {
     let (sum, error) = two_sum(a, b);
-    let (zero, huge) = (R::splat(a.token(), 0.0), R::splat(a.token(), R::HUGE));
-    // A sum that overflowed was above the largest number at least.
-    let sum = R::pick(huge.is_lt(sum), huge, sum);
+    let zero = R::splat(a.token(), 0.0);
     let lower = sum - sum.magnitude() * R::splat(a.token(), R::ULP);
     R::pick(zero.is_le(error), sum, lower)
 }
@@ -233,10 +232,23 @@ impl<R: Real> Add for Interval<R> {
     fn add(self, other: Self) -> Self {
         let lo = add_down(self.lo, other.lo);
         let hi = -add_down(-self.hi, -other.hi);
-        let (lo, hi) = finite_inner_ends(lo, hi);
+        let finite = (hi - lo).is_le(self.constant_real(R::HUGE));
+        if R::any(!finite) {
+            return Self::add_unbounded(self, other);
+        }
+        Self { lo, hi }
+    }
+}
+
+impl<R: Real> Interval<R> {
+    /// A sum of which an end may be infinite or undefined.
+    #[inline(always)]
+    fn add_unbounded(self, other: Self) -> Self {
+        let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
         let infinity = self.constant_real(f64::INFINITY);
+        let sum = Self::rounded(lo, hi, 1.0);
         // ∞ − ∞ can only come about where both ends are infinite.
-        Self { lo, hi }.undefined_where(lo.is_eq(-infinity) & hi.is_eq(infinity))
+        sum.undefined_where(sum.lo.is_eq(-infinity) & sum.hi.is_eq(infinity))
     }
 }
 
@@ -253,10 +265,19 @@ impl<R: Real> Mul for Interval<R> {
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let products = [self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi];
-        let zero = self.zero();
-        let product = Self::hull4(products, 1.0);
+        let [p, q, r, s] = products;
+        let (lo, hi) = (p.lesser(q).lesser(r.lesser(s)), p.greater(q).greater(r.greater(s)));
+        let (zero, huge) = (self.zero(), self.constant_real(R::HUGE));
+        // NaN among the products shows in their sum.
+        let finite = ((p + q) + (r + s)).magnitude().is_lt(huge) & (hi - lo).is_lt(huge);
+        let product = if R::any(!finite) {
+            Self::hull4(products, 1.0)
+        } else {
+            let (slack, tiny) = (self.constant_real(R::ULP), self.constant_real(R::TINY));
+            Self { lo: lo - (lo.magnitude() * slack + tiny), hi: hi + (hi.magnitude() * slack + tiny) }
+        };
         let positive = zero.is_le(self.lo) & zero.is_le(other.lo);
-        Self { lo: R::pick(positive & product.lo.is_lt(zero), zero, product.lo), hi: product.hi }
+        Self { lo: R::pick(positive, product.lo.greater(zero), product.lo), hi: product.hi }
     }
 }
 

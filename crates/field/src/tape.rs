@@ -206,6 +206,11 @@ impl Tape {
         }
     }
 
+    /// Like [`specialise`](Self::specialise), but nothing if no choice is decided.
+    pub fn shortened(&self, choice: impl Fn(usize) -> u8) -> Option<Tape> {
+        (0..self.code.instructions.len()).any(|i| choice(i) != 3).then(|| self.specialise(choice))
+    }
+
     /// The tape that is left where only some operands can matter.
     ///
     /// `choice` gives, for the place of an instruction, which of its operands may be taken: bit 0 the first, bit 1

@@ -28,12 +28,10 @@ const COS: [f64; 6] = [
 const LARGEST: f64 = 1e5;
 
 #[inline(always)]
-fn polynomial<R: Real>(z: R, coefficients: &[f64; 6]) -> R {
-    let mut sum = R::splat(z.token(), coefficients[5]);
-    for &c in coefficients[..5].iter().rev() {
-        sum = sum * z + R::splat(z.token(), c);
-    }
-    sum
+fn polynomial<R: Real>(z: R, coefficients: [f64; 6]) -> R {
+    let [a, b, c, d, e, f] = coefficients;
+    let k = |x| R::splat(z.token(), x);
+    ((((k(f) * z + k(e)) * z + k(d)) * z + k(c)) * z + k(b)) * z + k(a)
 }
 
 /// (sin x, cos x).
@@ -59,12 +57,13 @@ fn reduced_sin_cos<R: Real>(x: R) -> (R, R) {
     let t = x.token();
     let constant = |k| R::splat(t, k);
     let turns = (x * constant(std::f64::consts::FRAC_2_PI) + constant(0.5)).round_down();
-    let reduced = HALF_PI.iter().fold(x, |rest, &part| rest - turns * constant(part));
+    let [first, second, third] = HALF_PI;
+    let reduced = ((x - turns * constant(first)) - turns * constant(second)) - turns * constant(third);
     let z = reduced * reduced;
-    let sine = reduced + reduced * z * polynomial(z, &SIN);
+    let sine = reduced + reduced * z * polynomial(z, SIN);
     let half = z * constant(0.5);
     let near_one = constant(1.0) - half;
-    let cosine = near_one + (((constant(1.0) - near_one) - half) + z * z * polynomial(z, &COS));
+    let cosine = near_one + (((constant(1.0) - near_one) - half) + z * z * polynomial(z, COS));
 
     let quadrant = turns - constant(4.0) * (turns * constant(0.25)).round_down();
     let odd = quadrant.is_eq(constant(1.0)) | quadrant.is_eq(constant(3.0));

@@ -75,7 +75,7 @@ impl<'s> Prepared<'s> {
         let mut answers =
             vec![Answer { surface: None, certificate: Certificate::Certified, cost: 0 }; rays.len()];
         for (part, solid) in self.solids.iter().enumerate() {
-            for (answer, found) in answers.iter_mut().zip(solid.hits(asker, rays, f64::INFINITY)) {
+            for (answer, found) in answers.iter_mut().zip(solid.hits(asker, rays, f64::INFINITY, false)) {
                 answer.cost += found.cost;
                 answer.certificate = answer.certificate.max(found.certificate);
                 let nearer = |s: &Surface| answer.surface.is_none_or(|known| s.t < known.t);
@@ -97,7 +97,7 @@ impl<'s> Prepared<'s> {
         asker.rays += rays.len() as u64;
         let mut blocked = vec![false; rays.len()];
         for solid in &self.solids {
-            for (blocked, found) in blocked.iter_mut().zip(solid.hits(asker, rays, distance)) {
+            for (blocked, found) in blocked.iter_mut().zip(solid.hits(asker, rays, distance, true)) {
                 *blocked |= found.surface.is_some();
             }
         }
@@ -186,7 +186,7 @@ impl<'s> PreparedSolid<'s> {
         Self { solid, sign, attributes, settings }
     }
 
-    fn hits(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distance: f64) -> Vec<Answer> {
+    fn hits(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distance: f64, any_hit: bool) -> Vec<Answer> {
         let spans: Vec<Option<RaySpan>> =
             rays.iter().map(|&(o, d)| self.solid.bounds().ray_span(o, d)).collect();
         let to_trace: Vec<Ray> = rays
@@ -198,7 +198,7 @@ impl<'s> PreparedSolid<'s> {
             })
             .collect();
         let from_outside = spans.iter().flatten().all(|s| s.enter > 0.0);
-        let settings = Settings { caps: self.solid.is_capped() && from_outside, ..self.settings };
+        let settings = Settings { caps: self.solid.is_capped() && from_outside, any_hit, ..self.settings };
         let shared = asker.tracer.shared_cost();
         let outcomes = asker.tracer.first_hits(&self.sign, &to_trace, &settings);
         asker.evaluations += asker.tracer.shared_cost() - shared;

@@ -11,6 +11,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// The side of a tile, in pixels: small enough for programs to become short, large enough to fill the lanes.
 const TILE: u32 = 16;
 
+/// The side of the blocks in which the pixels of a tile follow each other.
+const BLOCK: u32 = 8;
+
 /// How to render, without effect on the picture.
 #[derive(Clone, Copy, Default)]
 pub struct RenderOptions<'a> {
@@ -96,8 +99,16 @@ impl Tile {
             .collect()
     }
 
+    /// The pixels, by blocks of 8 × 8, in the order that bundles are split in.
     fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
-        (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)))
+        let starts = |from: u32, length: u32| (from..from + length).step_by(BLOCK as usize);
+        let (right, bottom) = (self.x + self.width, self.y + self.height);
+        starts(self.y, self.height)
+            .flat_map(move |v| starts(self.x, self.width).map(move |u| (u, v)))
+            .flat_map(move |(u, v)| {
+                let row = move |y| (u..right.min(u + BLOCK)).map(move |x| (x, y));
+                (v..bottom.min(v + BLOCK)).flat_map(row)
+            })
     }
 }
 

@@ -57,6 +57,11 @@ impl Span {
         self.lo.is_nan()
     }
 
+    /// Whether the sign certainly changes from one end to the other.
+    fn certainly_crosses(&self) -> bool {
+        self.slope.abs() > self.centre.abs() + self.error
+    }
+
     /// The part of \[a, b\] that zeros are confined to; empty if they are excluded.
     fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
         if self.excludes_zero() {
@@ -423,6 +428,9 @@ impl Lane {
         let (fa, fb) = (self.defined(near.1), self.defined(far.1));
         let (start, stop) = self.span();
         if (fb < 0.0) != self.inside && (fa < 0.0) == self.inside {
+            if settings.any_hit {
+                return self.accept(near.0, far.0);
+            }
             let solver = Solver::new((near.0, fa), (far.0, fb), settings.tolerance * settings.size);
             return self.continue_solve(solver, settings);
         }

@@ -103,12 +103,14 @@ pub struct Settings {
     pub tolerance: f64,
     /// Whether a ray that starts inside needs no crossing: it starts on a cap.
     pub caps: bool,
+    /// Whether any crossing will do, as for shadows: it is not located closely, and what lies before it is not proved.
+    pub any_hit: bool,
 }
 
 impl Settings {
     /// The affine method with the default tolerance.
     pub fn new(size: f64) -> Self {
-        Self { method: Method::Affine, size, tolerance: Self::TOLERANCE, caps: false }
+        Self { method: Method::Affine, size, tolerance: Self::TOLERANCE, caps: false, any_hit: false }
     }
 
     /// The default width of the final bracket, relative to the size: 2⁻³⁰.
