@@ -62,15 +62,15 @@ impl<R: Real> Affine<R> {
     /// A line and an interval that both hold, `magnitude` bounding the terms that were rounded on the way.
     #[inline(always)]
     fn make(centre: R, slope: R, error: R, range: Interval<R>, magnitude: R) -> Self {
-        let k = |x| R::splat(centre.token(), x);
-        let error = error * k(1.0 + 8.0 * R::ULP) + (magnitude * k(4.0 * R::ULP) + k(R::TINY));
+        let error = error * centre.like(1.0 + 8.0 * R::ULP)
+            + (magnitude * centre.like(4.0 * R::ULP) + centre.like(R::TINY));
         let reach = slope.magnitude() + error;
         let (lo, hi) = (centre - reach, centre + reach);
         let lo = R::pick(range.lo.is_lt(lo), lo, range.lo);
         let hi = R::pick(hi.is_lt(range.hi), hi, range.hi);
         // A line whose error alone reaches as far as the range says nothing that the range does not. Comparisons with
         // NaN are false, so that a line that overflowed is dropped here, as one where the value may be undefined.
-        let keep = error.is_lt((hi - lo) * k(0.5));
+        let keep = error.is_lt((hi - lo) * centre.like(0.5));
         let line = Self { centre, slope, error, range: Interval { lo, hi } };
         if !R::any(!keep) {
             return line;
@@ -97,14 +97,13 @@ impl<R: Real> Affine<R> {
     /// the range, and its image.
     #[inline(always)]
     fn taylor(self, value: R, first: R, second: Interval<R>, image: Interval<R>) -> Self {
-        let k = |x| R::splat(self.centre.token(), x);
-        let (m, zero) = (self.middle(), k(0.0));
-        let reach = (self.range.hi - m).greater(m - self.range.lo) * k(1.0 + 4.0 * R::ULP);
-        let quarter = reach * reach * k(0.25);
+        let (m, zero) = (self.middle(), self.centre.like(0.0));
+        let reach = (self.range.hi - m).greater(m - self.range.lo) * self.centre.like(1.0 + 4.0 * R::ULP);
+        let quarter = reach * reach * self.centre.like(0.25);
         let (least, most) = (second.lo.lesser(zero) * quarter, second.hi.greater(zero) * quarter);
         let distance = self.centre - m;
-        let magnitude = value.magnitude() * k(2.0)
-            + first.magnitude() * (k(2.0) * reach + self.centre.magnitude() + m.magnitude())
+        let magnitude = value.magnitude() * self.centre.like(2.0)
+            + first.magnitude() * (self.centre.like(2.0) * reach + self.centre.magnitude() + m.magnitude())
             + (most - least);
         let slope = first * self.slope;
         // A second derivative that overflowed, or is undefined, leaves NaN here and with it only the image.
@@ -122,19 +121,21 @@ impl<R: Real> Affine<R> {
     /// √(x² + y²) as a tangent plane: ux + vy + gap, gap between 0 and the largest gap at a corner.
     #[inline(always)]
     fn length(self, other: Self) -> Self {
-        let k = |x| R::splat(self.centre.token(), x);
         let (x, y) = (self.range, other.range);
-        let at = |a: R, b: R| (a * a + b * b).root();
-        let centre_length = at(self.centre, other.centre);
+        let centre_length = plain_length(self.centre, other.centre);
         let (u, v) = (self.centre / centre_length, other.centre / centre_length);
-        let gap = |a: R, b: R| at(a, b) - u * a - v * b;
-        let gaps = [gap(x.lo, y.lo), gap(x.lo, y.hi), gap(x.hi, y.lo), gap(x.hi, y.hi)];
+        let gaps = [
+            tangent_gap((u, v), x.lo, y.lo),
+            tangent_gap((u, v), x.lo, y.hi),
+            tangent_gap((u, v), x.hi, y.lo),
+            tangent_gap((u, v), x.hi, y.hi),
+        ];
         let largest = (gaps[0].greater(gaps[1])).greater(gaps[2].greater(gaps[3]));
         // A gap that overflowed is NaN, and the larger of NaN and a number may be either.
-        let poison = ((gaps[0] + gaps[1]) + (gaps[2] + gaps[3])) * k(0.0);
+        let poison = ((gaps[0] + gaps[1]) + (gaps[2] + gaps[3])) * self.centre.like(0.0);
         // u and v are rounded, so that the gap may be negative by as much as their error allows.
-        let slack = (x.magnitude() + y.magnitude()) * k(8.0 * R::ULP) + poison;
-        let half = largest * k(0.5) + slack;
+        let slack = (x.magnitude() + y.magnitude()) * self.centre.like(8.0 * R::ULP) + poison;
+        let half = largest * self.centre.like(0.5) + slack;
         let centre = u * self.centre + v * other.centre + half;
         let slope = u * self.slope + v * other.slope;
         let error = u.magnitude() * self.error + v.magnitude() * other.error + half + slack;
@@ -142,6 +143,17 @@ impl<R: Real> Affine<R> {
         let image = (Domain::square(x) + Domain::square(y)).whole_if_undefined().sqrt();
         Self::make(centre, slope, error, image, magnitude)
     }
+}
+
+#[inline(always)]
+fn plain_length<R: Real>(a: R, b: R) -> R {
+    (a * a + b * b).root()
+}
+
+/// How far √(a² + b²) lies above the tangent ua + vb.
+#[inline(always)]
+fn tangent_gap<R: Real>((u, v): (R, R), a: R, b: R) -> R {
+    plain_length(a, b) - u * a - v * b
 }
 
 impl<R: Real> Interval<R> {
@@ -281,13 +293,12 @@ impl<R: Real> Domain for Affine<R> {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        let k = |x| R::splat(self.centre.token(), x);
-        let (a, b) = (self.range.lo.greater(k(0.0)).root(), self.range.hi.root());
+        let (a, b) = (self.range.lo.greater(self.centre.like(0.0)).root(), self.range.hi.root());
         let sum = a + b;
-        let alpha = k(1.0) / sum;
-        let (eighth, product) = (sum * k(0.125), a * b * alpha * k(0.5));
-        let slack = sum * k(4.0 * R::ULP);
-        let delta = (b - a) * (b - a) * alpha * k(0.125) + slack;
+        let alpha = self.centre.like(1.0) / sum;
+        let (eighth, product) = (sum * self.centre.like(0.125), a * b * alpha * self.centre.like(0.5));
+        let slack = sum * self.centre.like(4.0 * R::ULP);
+        let delta = (b - a) * (b - a) * alpha * self.centre.like(0.125) + slack;
         self.fitted(alpha, eighth + product, delta, Domain::sqrt(self.range))
     }
     #[inline(always)]
@@ -312,29 +323,27 @@ impl<R: Real> Domain for Affine<R> {
             // Higher powers are far from any line; 2 and −1 are operations of their own.
             return Self::only(image);
         }
-        let k = |x: f64| R::splat(self.centre.token(), x);
         let (m, order) = (self.middle(), f64::from(n));
         let below: R = Domain::powi(m, n - 1);
         let second = self.range.powi(n - 2) * Domain::constant(Domain::token(self), order * (order - 1.0));
         // A power by repeated squaring carries more than one rounding error.
         let value = below * m;
-        let fit = self.taylor(value, k(order) * below, second, image);
-        let extra = value.magnitude() * k(4.0 * order * R::ULP);
+        let fit = self.taylor(value, self.centre.like(order) * below, second, image);
+        let extra = value.magnitude() * self.centre.like(4.0 * order * R::ULP);
         Self::make(fit.centre, fit.slope, fit.error + extra, image, extra)
     }
     #[inline(always)]
     fn recip(self) -> Self {
-        let k = |x| R::splat(self.centre.token(), x);
         let image = self.range.recip();
         let (l, h) = (self.range.lo, self.range.hi);
-        let (p, q) = (k(1.0) / l, k(1.0) / h);
+        let (p, q) = (self.centre.like(1.0) / l, self.centre.like(1.0) / h);
         let alpha = -(p * q);
         // The tangent touches at the geometric mean of the ends.
         let mean = (p * q).root();
-        let mean = R::pick(l.is_lt(k(0.0)), -mean, mean);
-        let arithmetic = (p + q) * k(0.5);
-        let delta =
-            (arithmetic - mean).magnitude() + (arithmetic.magnitude() + mean.magnitude()) * k(4.0 * R::ULP);
+        let mean = R::pick(l.is_lt(self.centre.like(0.0)), -mean, mean);
+        let arithmetic = (p + q) * self.centre.like(0.5);
+        let delta = (arithmetic - mean).magnitude()
+            + (arithmetic.magnitude() + mean.magnitude()) * self.centre.like(4.0 * R::ULP);
         self.fitted(alpha, arithmetic + mean, delta, image)
     }
     #[inline(always)]
@@ -379,11 +388,15 @@ impl<R: Real> Domain for Affine<R> {
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        let k = |x| R::splat(self.centre.token(), x);
         let m = self.middle();
         // |atan″| ≤ 3√3/8.
-        let second = Interval { lo: k(-0.6496), hi: k(0.6496) };
-        self.taylor(Domain::atan(m), k(1.0) / (k(1.0) + m * m), second, Domain::atan(self.range))
+        let second = Interval { lo: self.centre.like(-0.6496), hi: self.centre.like(0.6496) };
+        self.taylor(
+            Domain::atan(m),
+            self.centre.like(1.0) / (self.centre.like(1.0) + m * m),
+            second,
+            Domain::atan(self.range),
+        )
     }
     #[inline(always)]
     fn sinh(self) -> Self {
@@ -397,11 +410,10 @@ impl<R: Real> Domain for Affine<R> {
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        let k = |x| R::splat(self.centre.token(), x);
         let value: R = Domain::tanh(self.middle());
         // |tanh″| ≤ 4√3/9.
-        let second = Interval { lo: k(-0.7699), hi: k(0.7699) };
-        self.taylor(value, k(1.0) - value * value, second, Domain::tanh(self.range))
+        let second = Interval { lo: self.centre.like(-0.7699), hi: self.centre.like(0.7699) };
+        self.taylor(value, self.centre.like(1.0) - value * value, second, Domain::tanh(self.range))
     }
     #[inline(always)]
     fn atanh(self) -> Self {
@@ -434,15 +446,14 @@ impl<R: Real> Domain for Affine<R> {
     /// ½(x + y − |x − y|), or the operand that the sign of x − y shows to be the smaller.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        let k = |x| R::splat(self.centre.token(), x);
         let difference = self - other;
         let image = Domain::min(self.range, other.range);
-        let half = k(0.5);
+        let half = self.centre.like(0.5);
         let both = self + other - Domain::abs(difference);
         let magnitude = both.centre.magnitude() + both.slope.magnitude();
         let mixed = Self::make(both.centre * half, both.slope * half, both.error * half, image, magnitude);
-        let first = Self::choose(difference.range.hi.is_le(k(0.0)), self, mixed);
-        let chosen = Self::choose(k(0.0).is_le(difference.range.lo), other, first);
+        let first = Self::choose(difference.range.hi.is_le(self.centre.like(0.0)), self, mixed);
+        let chosen = Self::choose(self.centre.like(0.0).is_le(difference.range.lo), other, first);
         Self::choose(image.lo.is_nan_mask(), mixed, chosen)
     }
     #[inline(always)]

@@ -4,6 +4,26 @@ use crate::domain::Domain;
 use crate::{Function, Real};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// An array of the three values of an expression in `$i`; a closure might not be compiled into the evaluator.
+macro_rules! each {
+    ($i:ident => $value:expr) => {
+        [
+            {
+                let $i = 0;
+                $value
+            },
+            {
+                let $i = 1;
+                $value
+            },
+            {
+                let $i = 2;
+                $value
+            },
+        ]
+    };
+}
+
 /// A value and its derivatives along three directions, exact to rounding.
 ///
 /// Where a function has a kink, the derivative is that of one side; where it is undefined, so is the derivative.
@@ -26,14 +46,13 @@ impl<D: Domain> Dual<D> {
     /// The image of a function with this value and derivative.
     #[inline(always)]
     fn chain(self, value: D, derivative: D) -> Self {
-        Self { value, gradient: self.gradient.map(|g| derivative * g) }
+        Self { value, gradient: each!(i => derivative * self.gradient[i]) }
     }
 
     /// The image of a function of two values.
     #[inline(always)]
     fn chain2(self, other: Self, value: D, by_first: D, by_second: D) -> Self {
-        let part = |i: usize| by_first * self.gradient[i] + by_second * other.gradient[i];
-        Self { value, gradient: [part(0), part(1), part(2)] }
+        Self { value, gradient: each!(i => by_first * self.gradient[i] + by_second * other.gradient[i]) }
     }
 
     /// A value that does not change.
@@ -47,8 +66,7 @@ impl<D: Domain> Dual<D> {
     #[inline(always)]
     fn either(self, other: Self, condition: D, value: D) -> Self {
         let t = self.value.token();
-        let part = |i: usize| condition.select(self.gradient[i], other.gradient[i], t);
-        Self { value, gradient: [part(0), part(1), part(2)] }
+        Self { value, gradient: each!(i => condition.select(self.gradient[i], other.gradient[i], t)) }
     }
 }
 
@@ -56,8 +74,7 @@ impl<D: Domain> Add for Dual<D> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        let part = |i: usize| self.gradient[i] + other.gradient[i];
-        Self { value: self.value + other.value, gradient: [part(0), part(1), part(2)] }
+        Self { value: self.value + other.value, gradient: each!(i => self.gradient[i] + other.gradient[i]) }
     }
 }
 
@@ -65,8 +82,7 @@ impl<D: Domain> Sub for Dual<D> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        let part = |i: usize| self.gradient[i] - other.gradient[i];
-        Self { value: self.value - other.value, gradient: [part(0), part(1), part(2)] }
+        Self { value: self.value - other.value, gradient: each!(i => self.gradient[i] - other.gradient[i]) }
     }
 }
 
@@ -92,7 +108,7 @@ impl<D: Domain> Neg for Dual<D> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: -self.value, gradient: self.gradient.map(|g| -g) }
+        Self { value: -self.value, gradient: each!(i => -self.gradient[i]) }
     }
 }
 
@@ -121,13 +137,17 @@ impl<D: Domain> Domain for Dual<D> {
     }
     #[inline(always)]
     fn choose(mask: <D::Real as Real>::Mask, a: Self, b: Self) -> Self {
-        let part = |i: usize| D::choose(mask, a.gradient[i], b.gradient[i]);
-        Self { value: D::choose(mask, a.value, b.value), gradient: [part(0), part(1), part(2)] }
+        Self {
+            value: D::choose(mask, a.value, b.value),
+            gradient: each!(i => D::choose(mask, a.gradient[i], b.gradient[i])),
+        }
     }
     #[inline(always)]
     fn join(self, other: Self) -> Self {
-        let part = |i: usize| self.gradient[i].join(other.gradient[i]);
-        Self { value: self.value.join(other.value), gradient: [part(0), part(1), part(2)] }
+        Self {
+            value: self.value.join(other.value),
+            gradient: each!(i => self.gradient[i].join(other.gradient[i])),
+        }
     }
     /// Derivatives of called functions are taken lane by lane; over sets they are undefined.
     fn call(function: &dyn Function, arguments: &[Self], token: Token<D>) -> Self {
@@ -268,11 +288,13 @@ impl<D: Domain> Domain for Dual<D> {
         let by_exponent = power * self.value.ln();
         // A constant exponent needs no logarithm of the base, which may be negative.
         let t = self.value.token();
-        let part = |i: usize| {
-            let exponent_part = other.gradient[i].select(by_exponent * other.gradient[i], self.k(0.0), t);
-            by_base * self.gradient[i] + exponent_part
-        };
-        Self { value: power, gradient: [part(0), part(1), part(2)] }
+        Self {
+            value: power,
+            gradient: each!(i => {
+                let exponent_part = other.gradient[i].select(by_exponent * other.gradient[i], self.k(0.0), t);
+                by_base * self.gradient[i] + exponent_part
+            }),
+        }
     }
     #[inline(always)]
     fn atan2(self, other: Self) -> Self {

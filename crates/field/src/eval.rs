@@ -105,14 +105,18 @@ impl<R: Real> Rows for R {
     }
 }
 
+#[inline(always)]
+fn row<R: Real>(token: R::Token, rows: &[R::Scalar], start: usize) -> R {
+    <R as Real>::load(token, &rows[start..])
+}
+
 impl<R: Real> Rows for Interval<R> {
     const COMPONENTS: usize = 2;
     const IS_SET: bool = true;
 
     #[inline(always)]
     fn load(token: R::Token, rows: &[R::Scalar], lane: usize) -> Self {
-        let row = |i: usize| <R as Real>::load(token, &rows[i * LANES + lane..]);
-        Self { lo: row(0), hi: row(1) }
+        Self { lo: row(token, rows, lane), hi: row(token, rows, lane + 1 * LANES) }
     }
     #[inline(always)]
     fn store(self, rows: &mut [R::Scalar], lane: usize) {
@@ -131,8 +135,15 @@ impl<R: Real> Rows for Affine<R> {
 
     #[inline(always)]
     fn load(token: R::Token, rows: &[R::Scalar], lane: usize) -> Self {
-        let row = |i: usize| <R as Real>::load(token, &rows[i * LANES + lane..]);
-        Self { centre: row(0), slope: row(1), error: row(2), range: Interval { lo: row(3), hi: row(4) } }
+        Self {
+            centre: row(token, rows, lane),
+            slope: row(token, rows, lane + 1 * LANES),
+            error: row(token, rows, lane + 2 * LANES),
+            range: Interval {
+                lo: row(token, rows, lane + 3 * LANES),
+                hi: row(token, rows, lane + 4 * LANES),
+            },
+        }
     }
     #[inline(always)]
     fn store(self, rows: &mut [R::Scalar], lane: usize) {
@@ -151,8 +162,14 @@ impl<R: Real> Rows for Dual<R> {
 
     #[inline(always)]
     fn load(token: R::Token, rows: &[R::Scalar], lane: usize) -> Self {
-        let row = |i: usize| <R as Real>::load(token, &rows[i * LANES + lane..]);
-        Self { value: row(0), gradient: [row(1), row(2), row(3)] }
+        Self {
+            value: row(token, rows, lane),
+            gradient: [
+                row(token, rows, lane + 1 * LANES),
+                row(token, rows, lane + 2 * LANES),
+                row(token, rows, lane + 3 * LANES),
+            ],
+        }
     }
     #[inline(always)]
     fn store(self, rows: &mut [R::Scalar], lane: usize) {

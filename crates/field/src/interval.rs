@@ -151,9 +151,10 @@ impl<R: Real> Interval<R> {
     #[inline(always)]
     fn meets(self, phase: f64, period: f64) -> R::Mask {
         let (inverse, phase) = (self.constant_real(1.0 / period), self.constant_real(phase));
-        let cell = |x: R, nudge: f64| ((x - phase) * inverse + self.constant_real(nudge)).round_down();
         // Nudged outward by far more than the rounding error of the quotient, for arguments below `FAR`.
-        !cell(self.lo, -1e-6).is_eq(cell(self.hi, 1e-6))
+        let below = ((self.lo - phase) * inverse + self.constant_real(-1e-6)).round_down();
+        let above = ((self.hi - phase) * inverse + self.constant_real(1e-6)).round_down();
+        !below.is_eq(above)
     }
 
     /// A sine-like function with maxima at `maximum` + 2kπ and minima half a turn further.
@@ -207,6 +208,16 @@ impl<R: Real> Interval<R> {
 fn finite_inner_ends<R: Real>(lo: R, hi: R) -> (R, R) {
     let huge = R::splat(lo.token(), R::HUGE);
     (R::pick(huge.is_lt(lo), huge, lo), R::pick(hi.is_lt(-huge), -huge, hi))
+}
+
+#[inline(always)]
+fn power<R: Real>(base: R, exponent: R) -> R {
+    base.map2(exponent, f64::powf)
+}
+
+#[inline(always)]
+fn angle<R: Real>(y: R, x: R) -> R {
+    y.map2(x, f64::atan2)
 }
 
 /// a + b with the sign of the rounding error: what is exact stays exact.
@@ -413,11 +424,19 @@ impl<R: Real> Domain for Interval<R> {
     }
     #[inline(always)]
     fn sin(self) -> Self {
-        self.wave(Domain::sin, FRAC_PI_2)
+        self.wave(
+            #[inline(always)]
+            |x| Domain::sin(x),
+            FRAC_PI_2,
+        )
     }
     #[inline(always)]
     fn cos(self) -> Self {
-        self.wave(Domain::cos, 0.0)
+        self.wave(
+            #[inline(always)]
+            |x| Domain::cos(x),
+            0.0,
+        )
     }
     #[inline(always)]
     fn tan(self) -> Self {
@@ -460,23 +479,38 @@ impl<R: Real> Domain for Interval<R> {
     }
     #[inline(always)]
     fn floor(self) -> Self {
-        self.step(Domain::floor)
+        self.step(
+            #[inline(always)]
+            |x| Domain::floor(x),
+        )
     }
     #[inline(always)]
     fn ceil(self) -> Self {
-        self.step(Domain::ceil)
+        self.step(
+            #[inline(always)]
+            |x| Domain::ceil(x),
+        )
     }
     #[inline(always)]
     fn round(self) -> Self {
-        self.step(Domain::round)
+        self.step(
+            #[inline(always)]
+            |x| Domain::round(x),
+        )
     }
     #[inline(always)]
     fn trunc(self) -> Self {
-        self.step(Domain::trunc)
+        self.step(
+            #[inline(always)]
+            |x| Domain::trunc(x),
+        )
     }
     #[inline(always)]
     fn sign(self) -> Self {
-        self.step(Domain::sign)
+        self.step(
+            #[inline(always)]
+            |x| Domain::sign(x),
+        )
     }
     #[inline(always)]
     fn not(self) -> Self {
@@ -504,12 +538,11 @@ impl<R: Real> Domain for Interval<R> {
     /// For positive bases the extremes lie in the corners; otherwise only one whole exponent is defined.
     #[inline(always)]
     fn pow(self, other: Self) -> Self {
-        let corner = |a: R, b: R| a.map2(b, f64::powf);
         let corners = [
-            corner(self.lo, other.lo),
-            corner(self.lo, other.hi),
-            corner(self.hi, other.lo),
-            corner(self.hi, other.hi),
+            power(self.lo, other.lo),
+            power(self.lo, other.hi),
+            power(self.hi, other.lo),
+            power(self.hi, other.hi),
         ];
         let single = other.lo.is_eq(other.hi);
         let positive =
@@ -520,8 +553,8 @@ impl<R: Real> Domain for Interval<R> {
         let is_odd = single & !is_even & other.lo.round_down().is_eq(other.lo);
         let rising_whole = (is_even | is_odd) & self.zero().is_lt(other.lo);
         let through_zero = Self::rounded(
-            R::pick(is_even, corner(Domain::abs(self).lo, other.lo), corners[0]),
-            R::pick(is_even, corner(Domain::abs(self).hi, other.lo), corners[2]),
+            R::pick(is_even, power(Domain::abs(self).lo, other.lo), corners[0]),
+            R::pick(is_even, power(Domain::abs(self).hi, other.lo), corners[2]),
             LIBRARY_ULPS,
         );
         let any_nan = self.lo.is_nan_mask() | other.lo.is_nan_mask();
@@ -529,12 +562,11 @@ impl<R: Real> Domain for Interval<R> {
     }
     #[inline(always)]
     fn atan2(self, other: Self) -> Self {
-        let corner = |y: R, x: R| y.map2(x, f64::atan2);
         let corners = [
-            corner(self.lo, other.lo),
-            corner(self.lo, other.hi),
-            corner(self.hi, other.lo),
-            corner(self.hi, other.hi),
+            angle(self.lo, other.lo),
+            angle(self.lo, other.hi),
+            angle(self.hi, other.lo),
+            angle(self.hi, other.hi),
         ];
         let cut = self.straddles_zero() & other.lo.is_le(self.zero());
         let pi = self.constant_real(PI);
@@ -548,12 +580,22 @@ impl<R: Real> Domain for Interval<R> {
         let (zero, bound) = (self.zero(), Domain::abs(other).hi.lesser(self.magnitude()));
         let lo = R::pick(self.lo.is_lt(zero), -bound, zero);
         let hi = R::pick(zero.is_lt(self.hi), bound, zero);
-        self.remainder(other, Domain::trunc, Self { lo, hi })
+        self.remainder(
+            other,
+            #[inline(always)]
+            |x| Domain::trunc(x),
+            Self { lo, hi },
+        )
     }
     #[inline(always)]
     fn modulo(self, other: Self) -> Self {
         let divisor = Domain::abs(other);
-        self.remainder(divisor, Domain::floor, Self { lo: self.zero(), hi: divisor.hi })
+        self.remainder(
+            divisor,
+            #[inline(always)]
+            |x| Domain::floor(x),
+            Self { lo: self.zero(), hi: divisor.hi },
+        )
     }
     #[inline(always)]
     fn compare(self, other: Self) -> Self {

@@ -105,6 +105,11 @@ pub trait Real:
     /// Whether one lane of a mask is set.
     fn mask_lane(mask: Self::Mask, lane: usize) -> bool;
 
+    /// The constant `k`, rounded to nearest, in every lane.
+    #[inline(always)]
+    fn like(self, k: f64) -> Self {
+        Self::splat(Real::token(self), k)
+    }
     /// Where the number is NaN.
     #[inline(always)]
     fn is_nan_mask(self) -> Self::Mask {
@@ -591,15 +596,14 @@ impl<R: Real> Domain for R {
     fn rmin(self, other: Self) -> Self {
         let (sum, length) = (self + other, length2(self, other));
         let (a, b) = (self.lesser(other), self.greater(other));
-        let k = |x| R::splat(Real::token(self), x);
         let ratio = a / b;
         // Both infinite: as for any two that are equal.
-        let ratio = R::pick(ratio.is_nan_mask(), k(1.0), ratio);
-        let stable = (a + a) / (k(1.0) + ratio + (k(1.0) + ratio * ratio).root());
-        let value = R::pick(k(0.0).is_lt(sum), stable, sum - length);
+        let ratio = R::pick(ratio.is_nan_mask(), self.like(1.0), ratio);
+        let stable = (a + a) / (self.like(1.0) + ratio + (self.like(1.0) + ratio * ratio).root());
+        let value = R::pick(self.like(0.0).is_lt(sum), stable, sum - length);
         // +∞ and −∞: the limit.
         let opposite = sum.is_nan_mask() & self.is_eq(self) & other.is_eq(other);
-        R::pick(opposite, k(f64::NEG_INFINITY), value)
+        R::pick(opposite, self.like(f64::NEG_INFINITY), value)
     }
     #[inline(always)]
     fn rmax(self, other: Self) -> Self {

@@ -30,20 +30,17 @@ const LARGEST: f64 = 1e5;
 #[inline(always)]
 fn polynomial<R: Real>(z: R, coefficients: [f64; 6]) -> R {
     let [a, b, c, d, e, f] = coefficients;
-    let k = |x| R::splat(z.token(), x);
-    ((((k(f) * z + k(e)) * z + k(d)) * z + k(c)) * z + k(b)) * z + k(a)
+    ((((z.like(f) * z + z.like(e)) * z + z.like(d)) * z + z.like(c)) * z + z.like(b)) * z + z.like(a)
 }
 
 /// (sin x, cos x).
 #[inline(always)]
 pub(crate) fn sin_cos<R: Real>(x: R) -> (R, R) {
-    let t = x.token();
-    let constant = |k| R::splat(t, k);
     if R::ULP != f64::EPSILON {
         return (x.map(f64::sin), x.map(f64::cos));
     }
     // Chosen lane by lane, so that no value depends on its neighbours.
-    let far = !x.magnitude().is_le(constant(LARGEST));
+    let far = !x.magnitude().is_le(x.like(LARGEST));
     let (sine, cosine) = reduced_sin_cos(x);
     if R::any(far) {
         return (R::pick(far, x.map(f64::sin), sine), R::pick(far, x.map(f64::cos), cosine));
@@ -54,22 +51,20 @@ pub(crate) fn sin_cos<R: Real>(x: R) -> (R, R) {
 /// (sin x, cos x) for |x| ≤ [`LARGEST`].
 #[inline(always)]
 fn reduced_sin_cos<R: Real>(x: R) -> (R, R) {
-    let t = x.token();
-    let constant = |k| R::splat(t, k);
-    let turns = (x * constant(std::f64::consts::FRAC_2_PI) + constant(0.5)).round_down();
+    let turns = (x * x.like(std::f64::consts::FRAC_2_PI) + x.like(0.5)).round_down();
     let [first, second, third] = HALF_PI;
-    let reduced = ((x - turns * constant(first)) - turns * constant(second)) - turns * constant(third);
+    let reduced = ((x - turns * x.like(first)) - turns * x.like(second)) - turns * x.like(third);
     let z = reduced * reduced;
     let sine = reduced + reduced * z * polynomial(z, SIN);
-    let half = z * constant(0.5);
-    let near_one = constant(1.0) - half;
-    let cosine = near_one + (((constant(1.0) - near_one) - half) + z * z * polynomial(z, COS));
+    let half = z * x.like(0.5);
+    let near_one = x.like(1.0) - half;
+    let cosine = near_one + (((x.like(1.0) - near_one) - half) + z * z * polynomial(z, COS));
 
-    let quadrant = turns - constant(4.0) * (turns * constant(0.25)).round_down();
-    let odd = quadrant.is_eq(constant(1.0)) | quadrant.is_eq(constant(3.0));
+    let quadrant = turns - x.like(4.0) * (turns * x.like(0.25)).round_down();
+    let odd = quadrant.is_eq(x.like(1.0)) | quadrant.is_eq(x.like(3.0));
     let (s, c) = (R::pick(odd, cosine, sine), R::pick(odd, sine, cosine));
-    let s = R::pick(constant(1.5).is_lt(quadrant), -s, s);
-    let c_negative = quadrant.is_eq(constant(1.0)) | quadrant.is_eq(constant(2.0));
+    let s = R::pick(x.like(1.5).is_lt(quadrant), -s, s);
+    let c_negative = quadrant.is_eq(x.like(1.0)) | quadrant.is_eq(x.like(2.0));
     (s, R::pick(c_negative, -c, c))
 }
 

@@ -57,11 +57,6 @@ impl Span {
         self.lo.is_nan()
     }
 
-    /// Whether the sign certainly changes from one end to the other.
-    fn certainly_crosses(&self) -> bool {
-        self.slope.abs() > self.centre.abs() + self.error
-    }
-
     /// The part of \[a, b\] that zeros are confined to; empty if they are excluded.
     fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
         if self.excludes_zero() {
