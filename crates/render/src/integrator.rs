@@ -57,8 +57,8 @@ fn shade(
         let rays: Vec<(DVec3, DVec3)> =
             lit.iter().zip(&arriving).map(|(&i, l)| (hits[i].0.before, l.to_light)).collect();
         let blocked = if light.casts_shadow() {
-            let distance = arriving.iter().map(|l| l.distance).fold(0.0, f64::max);
-            prepared.blocked(asker, &rays, distance)
+            let distances: Vec<f64> = arriving.iter().map(|l| l.distance).collect();
+            prepared.blocked(asker, &rays, &distances)
         } else {
             vec![false; rays.len()]
         };

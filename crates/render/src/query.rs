@@ -75,7 +75,7 @@ impl<'s> Prepared<'s> {
         let mut answers =
             vec![Answer { surface: None, certificate: Certificate::Certified, cost: 0 }; rays.len()];
         for (part, solid) in self.solids.iter().enumerate() {
-            for (answer, found) in answers.iter_mut().zip(solid.hits(asker, rays, f64::INFINITY, false)) {
+            for (answer, found) in answers.iter_mut().zip(solid.hits(asker, rays, None)) {
                 answer.cost += found.cost;
                 answer.certificate = answer.certificate.max(found.certificate);
                 let nearer = |s: &Surface| answer.surface.is_none_or(|known| s.t < known.t);
@@ -92,12 +92,12 @@ impl<'s> Prepared<'s> {
         Segments
     }
 
-    /// Which rays meet anything before `distance`; they start outside of all solids.
-    pub(crate) fn blocked(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distance: f64) -> Vec<bool> {
+    /// Which rays meet anything before their distances; they start outside of all solids.
+    pub(crate) fn blocked(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: &[f64]) -> Vec<bool> {
         asker.rays += rays.len() as u64;
         let mut blocked = vec![false; rays.len()];
         for solid in &self.solids {
-            for (blocked, found) in blocked.iter_mut().zip(solid.hits(asker, rays, distance, true)) {
+            for (blocked, found) in blocked.iter_mut().zip(solid.hits(asker, rays, Some(distances))) {
                 *blocked |= found.surface.is_some();
             }
         }
@@ -186,17 +186,21 @@ impl<'s> PreparedSolid<'s> {
         Self { solid, sign, attributes, settings }
     }
 
-    fn hits(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distance: f64, any_hit: bool) -> Vec<Answer> {
+    /// The surfaces that rays meet; any that lies before their distances, if there are distances.
+    fn hits(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: Option<&[f64]>) -> Vec<Answer> {
         let spans: Vec<Option<RaySpan>> =
             rays.iter().map(|&(o, d)| self.solid.bounds().ray_span(o, d)).collect();
         let to_trace: Vec<Ray> = rays
             .iter()
             .zip(&spans)
-            .map(|(&(origin, direction), span)| {
-                let (start, end) = span.map_or((0.0, 0.0), |s| (s.enter.max(0.0), s.exit.min(distance)));
+            .enumerate()
+            .map(|(i, (&(origin, direction), span))| {
+                let furthest = distances.map_or(f64::INFINITY, |d| d[i]);
+                let (start, end) = span.map_or((0.0, 0.0), |s| (s.enter.max(0.0), s.exit.min(furthest)));
                 Ray { origin: origin.to_array(), direction: direction.to_array(), start, end }
             })
             .collect();
+        let any_hit = distances.is_some();
         let from_outside = spans.iter().flatten().all(|s| s.enter > 0.0);
         let settings = Settings { caps: self.solid.is_capped() && from_outside, any_hit, ..self.settings };
         let shared = asker.tracer.shared_cost();
