@@ -286,3 +286,42 @@ fn compare_gradient(name: &str, build: impl Fn(&mut Graph, NodeId, NodeId) -> No
     }
     compared
 }
+
+#[test]
+fn inputs_that_do_not_vary_are_bound_without_compiling_anew() {
+    let mut g = Graph::new();
+    let (x, r, t) = (coordinate(&mut g, 0), g.input(Input::Parameter(0)), g.input(Input::Time));
+    // The constant 2 stands beside the parameter, and must not change with it.
+    let two = g.constant(2.0);
+    let (product, twice) = (g.mul(x, r), g.mul(two, t));
+    let value = g.sub(product, twice);
+    let field = Field::new(g, value, Vec::new());
+    assert_eq!(field.inputs(), [Input::Coordinate(0), Input::Parameter(0), Input::Time]);
+    let mut bindings = Bindings::new();
+    bindings.set(Input::Parameter(0), 2.0);
+    let mut tape = Tape::new(&field, &TapeOptions { bindings, ..TapeOptions::default() });
+    let at_three = |tape: &Tape| run::<Points>(tape, |_, _| vec![3.0], 1).output(0, 0)[0];
+    assert_eq!(at_three(&tape), 6.0);
+    let before = tape.clone();
+    tape.bind(Input::Parameter(0), 5.0);
+    tape.bind(Input::Time, 1.5);
+    assert_eq!((at_three(&tape), at_three(&before)), (12.0, 6.0));
+}
+
+/// Written out, an R-function becomes one operation, whose interval is exact at the corners.
+#[test]
+fn written_out_r_functions_are_recognised() {
+    for (union, op) in [(true, Binary::RMin), (false, Binary::RMax)] {
+        let mut g = Graph::new();
+        let (x, y) = (coordinate(&mut g, 0), coordinate(&mut g, 1));
+        let (xx, yy) = (g.mul(x, x), g.powi(y, 2));
+        let squares = g.add(xx, yy);
+        let (sum, root) = (g.add(x, y), g.sqrt(squares));
+        let written = if union { g.sub(sum, root) } else { g.add(sum, root) };
+        assert_eq!(written, g.binary(op, x, y));
+        let difference = g.sub(x, y);
+        let subtraction = if union { g.sub(difference, root) } else { g.add(difference, root) };
+        let minus = g.neg(y);
+        assert_eq!(subtraction, g.binary(op, x, minus));
+    }
+}
