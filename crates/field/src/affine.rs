@@ -1,7 +1,7 @@
 //! Mixed affine arithmetic: a revised affine form with one symbol, carried together with an interval.
 //!
-//! A value over a span of a ray is `centre + slope·ε ± error`, ε ∈ \[−1, 1\] being the place in the span, and at the same
-//! time lies in an interval. Products follow the revised affine form (Vu 2004; Fryazinov, Pasko and Comninos 2010),
+//! A value over a span of a ray is `centre + slope·ε ± error`, ε ∈ \[−1, 1\] being the place in the span, and at the
+//! same time lies in an interval. Products follow the revised affine form (Vu 2004; Fryazinov, Pasko and Comninos 2010),
 //! square roots and reciprocals the Chebyshev fit, smooth functions a Taylor form whose second derivative the
 //! interval bounds, and √(x² + y²) inside R-functions the tangent of Cauchy and Schwarz. After every operation
 //! the two ranges are intersected, and a form whose error alone exceeds the interval is made anew from it.
@@ -33,7 +33,7 @@ impl<R: Real> Affine<R> {
     /// The line `centre + slope·ε ± error`.
     #[inline(always)]
     pub fn line(centre: R, slope: R, error: R) -> Self {
-        let range = Interval { lo: centre, hi: centre }.whole(centre);
+        let range = Interval::everything(centre);
         Self::make(centre, slope, error, range, centre.magnitude() + slope.magnitude())
     }
 
@@ -112,7 +112,7 @@ impl<R: Real> Affine<R> {
         Self::make(value + first * distance + (most + least), slope, error, image, magnitude)
     }
 
-    /// |x| or similar: what a fit gives, and otherwise only the image.
+    /// The image of an operation that leaves nothing to be said of the slope.
     #[inline(always)]
     fn only(image: Interval<R>) -> Self {
         Self::from_interval(image)
@@ -157,8 +157,9 @@ fn tangent_gap<R: Real>((u, v): (R, R), a: R, b: R) -> R {
 }
 
 impl<R: Real> Interval<R> {
+    /// All reals; undefined where `like` is.
     #[inline(always)]
-    fn whole(self, like: R) -> Self {
+    fn everything(like: R) -> Self {
         let infinity = R::splat(like.token(), f64::INFINITY);
         let nan = like.is_nan_mask();
         Self { lo: R::pick(nan, like, -infinity), hi: R::pick(nan, like, infinity) }

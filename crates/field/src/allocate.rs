@@ -1,4 +1,4 @@
-//! Registers by linear scan.
+//! Registers for the values of a tape.
 
 use crate::tape::{Code, Instruction, Op, Operand};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -59,28 +59,32 @@ impl<'c> Allocator<'c> {
         }
     }
 
-    /// Allocates a block; `kept` must survive it. Values made outside the block are not freed in it.
-    pub(crate) fn block(&mut self, instructions: &[Instruction], kept: &[Operand]) {
-        let mut last_read: FxHashMap<u32, usize> = FxHashMap::default();
+    /// Where each value is read for the last time, never for those that are `kept`.
+    fn last_reads(&self, instructions: &[Instruction], kept: &[Operand]) -> FxHashMap<u32, usize> {
+        let mut last_read = FxHashMap::default();
         for (i, instruction) in instructions.iter().enumerate() {
-            for v in self.reads(instruction) {
-                last_read.insert(v, i);
-            }
+            last_read.extend(self.reads(instruction).into_iter().map(|v| (v, i)));
         }
         for o in kept {
             if let Operand::Value(v) = o {
                 last_read.insert(*v, usize::MAX);
             }
         }
+        last_read
+    }
+
+    /// Allocates a block; `kept` must survive it. Values made outside the block are not freed in it.
+    pub(crate) fn block(&mut self, instructions: &[Instruction], kept: &[Operand]) {
+        let last_read = self.last_reads(instructions, kept);
         let mut made: Vec<u32> = Vec::new();
         let mut own: FxHashSet<u32> = Default::default();
         for (i, instruction) in instructions.iter().enumerate() {
-            let results: Vec<u32> = match instruction.op {
+            let made_by_loop = match instruction.op {
                 Op::Loop(l) => {
                     self.inner_loop(l);
-                    self.code.loops[l as usize].results.clone()
+                    Some(self.code.loops[l as usize].results.clone())
                 }
-                _ => Vec::new(),
+                _ => None,
             };
             // What is read here for the last time may lend its register to the result.
             for v in self.reads(instruction) {
@@ -88,13 +92,11 @@ impl<'c> Allocator<'c> {
                     self.free.push(self.register[v as usize]);
                 }
             }
-            let simple = if results.is_empty() && !matches!(instruction.op, Op::Loop(_)) {
+            let results = made_by_loop.unwrap_or_else(|| {
                 self.give(instruction.result);
                 vec![instruction.result]
-            } else {
-                results
-            };
-            for v in simple {
+            });
+            for v in results {
                 made.push(v);
                 if last_read.contains_key(&v) {
                     own.insert(v);
@@ -121,10 +123,11 @@ impl<'c> Allocator<'c> {
         let inside: FxHashSet<u32> = all.iter().map(|i| i.result).collect();
         let mut freed: FxHashSet<u32> = Default::default();
         for o in kept {
-            if let Operand::Value(v) = o {
-                if inside.contains(&v) && freed.insert(v) {
-                    self.free.push(self.register[v as usize]);
-                }
+            if let Operand::Value(v) = o
+                && inside.contains(&v)
+                && freed.insert(v)
+            {
+                self.free.push(self.register[v as usize]);
             }
         }
         carried.iter().chain(&waiting).for_each(|&v| self.free.push(self.register[v as usize]));

@@ -89,12 +89,13 @@ impl<'g> Compiler<'g> {
         }
     }
 
+    /// The places of the carried values of a loop that are needed.
     fn carried(&self, l: LoopId) -> Vec<usize> {
         let count = self.graph.loops[l.0 as usize].initial.len() as u32;
         (0..count).filter(|&i| self.needed.contains(&(l, i))).map(|i| i as usize).collect()
     }
 
-    /// The nodes outside a loop that it reads.
+    /// The nodes outside a loop that it reads for the sake of those of its carried values that are needed.
     fn free_nodes(&self, l: LoopId) -> Vec<NodeId> {
         let body = &self.graph.loops[l.0 as usize];
         let carried = self.carried(l);

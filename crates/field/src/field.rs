@@ -115,27 +115,3 @@ impl Field {
         self.graph.reachable(&[self.value]).iter().filter(|n| is_operation(n)).count()
     }
 }
-
-impl Graph {
-    /// Everything that `outputs` depend on, themselves included, through loops too.
-    pub fn reachable(&self, outputs: &[NodeId]) -> Vec<NodeId> {
-        let mut seen = vec![false; self.len()];
-        let mut loops_seen = vec![false; self.loops.len()];
-        let mut stack = outputs.to_vec();
-        let mut found = Vec::new();
-        while let Some(n) = stack.pop() {
-            if std::mem::replace(&mut seen[n.0 as usize], true) {
-                continue;
-            }
-            found.push(n);
-            match self.node(n) {
-                Node::LoopOut(l, _) if !std::mem::replace(&mut loops_seen[l.0 as usize], true) => {
-                    let body = &self.loops[l.0 as usize];
-                    stack.extend(body.initial.iter().chain(&body.next).chain([&body.condition]));
-                }
-                other => stack.extend(other.operands()),
-            }
-        }
-        found
-    }
-}

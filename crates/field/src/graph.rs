@@ -6,7 +6,7 @@
 
 use crate::function::Function;
 use crate::op::{Binary, Unary};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
 /// A node of a [`Graph`].
@@ -58,7 +58,6 @@ pub(crate) struct Loop {
     pub(crate) condition: NodeId,
     pub(crate) next: Vec<NodeId>,
     pub(crate) parent: Option<LoopId>,
-    pub(crate) closed: bool,
     depth: u32,
 }
 
@@ -152,7 +151,7 @@ impl Graph {
     pub(crate) fn loop_free_nodes(&self, id: LoopId) -> Vec<NodeId> {
         let l = &self.loops[id.0 as usize];
         let mut free = l.initial.clone();
-        let mut seen: rustc_hash::FxHashSet<NodeId> = Default::default();
+        let mut seen: FxHashSet<NodeId> = FxHashSet::default();
         let mut stack: Vec<NodeId> = l.next.iter().copied().chain([l.condition]).collect();
         while let Some(n) = stack.pop() {
             if !seen.insert(n) {
@@ -169,6 +168,28 @@ impl Graph {
             }
         }
         free
+    }
+
+    /// Everything that `outputs` depend on, themselves included, through loops too.
+    pub fn reachable(&self, outputs: &[NodeId]) -> Vec<NodeId> {
+        let mut seen = vec![false; self.len()];
+        let mut loops_seen = vec![false; self.loops.len()];
+        let mut stack = outputs.to_vec();
+        let mut found = Vec::new();
+        while let Some(n) = stack.pop() {
+            if std::mem::replace(&mut seen[n.0 as usize], true) {
+                continue;
+            }
+            found.push(n);
+            match self.node(n) {
+                Node::LoopOut(l, _) if !std::mem::replace(&mut loops_seen[l.0 as usize], true) => {
+                    let body = &self.loops[l.0 as usize];
+                    stack.extend(body.initial.iter().chain(&body.next).chain([&body.condition]));
+                }
+                other => stack.extend(other.operands()),
+            }
+        }
+        found
     }
 
     /// A constant.
@@ -306,13 +327,8 @@ impl Graph {
     pub fn select(&mut self, condition: NodeId, if_true: NodeId, if_false: NodeId) -> NodeId {
         match self.constant_value(condition) {
             Some(c) if c.is_nan() => self.constant(f64::NAN),
-            Some(c) => {
-                if c != 0.0 {
-                    if_true
-                } else {
-                    if_false
-                }
-            }
+            Some(0.0) => if_false,
+            Some(_) => if_true,
             None if if_true == if_false => if_true,
             None => self.intern(Node::Select(condition, if_true, if_false)),
         }
@@ -339,15 +355,9 @@ impl Graph {
     pub fn begin_loop(&mut self, initial: &[NodeId], parent: Option<LoopId>) -> LoopId {
         let id = LoopId(self.loops.len() as u32);
         let depth = parent.map_or(0, |p| self.loops[p.0 as usize].depth + 1);
+        // Known only when the loop is closed.
         let condition = NodeId(u32::MAX);
-        self.loops.push(Loop {
-            initial: initial.to_vec(),
-            condition,
-            next: Vec::new(),
-            parent,
-            closed: false,
-            depth,
-        });
+        self.loops.push(Loop { initial: initial.to_vec(), condition, next: Vec::new(), parent, depth });
         id
     }
 
@@ -365,7 +375,6 @@ impl Graph {
         debug_assert_eq!(l.initial.len(), next.len());
         l.condition = condition;
         l.next = next.to_vec();
-        l.closed = true;
         (0..next.len()).map(|i| self.intern(Node::LoopOut(id, i as u32))).collect()
     }
 }
@@ -373,7 +382,7 @@ impl Graph {
 macro_rules! unary_methods {
     ($($(#[$doc:meta])* $variant:ident $method:ident $name:literal,)*) => {
         /// One method for each unary operation.
-        #[allow(clippy::should_implement_trait)]
+        #[allow(clippy::should_implement_trait, reason = "they make nodes, and are named after the table")]
         impl Graph {
             $($(#[$doc])* pub fn $method(&mut self, a: NodeId) -> NodeId { self.unary(Unary::$variant, a) })*
         }
@@ -384,7 +393,7 @@ crate::for_each_unary!(unary_methods);
 macro_rules! binary_methods {
     ($($(#[$doc:meta])* $variant:ident $method:ident $name:literal,)*) => {
         /// One method for each binary operation.
-        #[allow(clippy::should_implement_trait)]
+        #[allow(clippy::should_implement_trait, reason = "they make nodes, and are named after the table")]
         impl Graph {
             $($(#[$doc])* pub fn $method(&mut self, a: NodeId, b: NodeId) -> NodeId {
                 self.binary(Binary::$variant, a, b)

@@ -16,7 +16,6 @@ mod graph;
 mod interval;
 mod op;
 mod real;
-
 pub mod reference;
 mod tape;
 mod trig;

@@ -10,7 +10,7 @@ pub const DEFAULT_FUEL: u32 = 1_000_000;
 
 /// Evaluates nodes of a graph; `input` gives the value of every input.
 ///
-/// Loops in a domain of sets must decide their conditions on the way; see [`crate::Tape`] for the full rules.
+/// Over sets, a loop whose condition is open leaves undefined values, where a [`Workspace`](crate::Workspace) joins.
 pub fn evaluate<D: Domain>(
     graph: &Graph,
     outputs: &[NodeId],

@@ -1,8 +1,8 @@
 //! Tapes: programs as linear code over registers.
 //!
-//! A [`Graph`](crate::Graph) is scheduled so that few values are alive at a time, constants and inputs that do not vary over a block
-//! are kept in a table, and registers are given out by a linear scan. The code before register allocation, in which
-//! every value is assigned once, is kept for [`Tape::specialise`].
+//! A [`Graph`](crate::Graph) is scheduled so that few values are alive at a time, constants and inputs that do not vary
+//! over a block are kept in a table, and registers are given out by a linear scan. The code before register
+//! allocation, in which every value is assigned once, is kept for [`Tape::specialise`].
 
 use crate::allocate::Allocator;
 use crate::compile::compile;

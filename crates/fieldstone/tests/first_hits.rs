@@ -3,6 +3,8 @@
 //! Every solid is drawn from three sides, from near and from 1,000 units away, at 128 × 128, with `affine` and with
 //! `interval`, by the renderer itself; the depth, hit and certificate layers are compared with the truth ray by ray.
 
+#![allow(clippy::print_stdout, reason = "the test reports what it measured")]
+
 use fieldstone_field::{Bindings, F64, Field, LANES, Points, Tape, TapeOptions, Workspace};
 use fieldstone_lang::{Source, parse_formula};
 use fieldstone_render::{RenderOptions, render};

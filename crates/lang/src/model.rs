@@ -48,7 +48,7 @@ pub struct Object {
 /// A model that was read: a field in core sign (f < 0 inside) and what the file says of it.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// The field of the chosen object, f < 0 inside; its attributes are s[1], s[2], … if declared.
+    /// The field of the chosen object, f < 0 inside; its attributes are s\[1\], s\[2\], … if declared.
     pub field: Field,
     /// The name of the chosen object.
     pub name: String,

@@ -1,8 +1,9 @@
 //! The CPU integrator of Fieldstone.
 //!
-//! [`render`] draws a resolved [`Scene`] tile by tile on all cores. Everything that light does goes through two
-//! queries of the scene: the nearest surface along a ray, and the volume segments before it (of which there are none
-//! yet). A first pass looks through the centre of every pixel; a second takes more samples where neighbours differ.
+//! [`render`] draws a resolved [`Scene`](fieldstone_scene::Scene) tile by tile on all cores. Everything that light
+//! does goes through two queries of the scene: the nearest surface along a ray, and the volume segments before it (of
+//! which there are none yet). A first pass looks through the centre of every pixel; a second takes more samples where
+//! neighbours differ.
 
 mod integrator;
 mod query;

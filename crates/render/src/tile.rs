@@ -112,6 +112,9 @@ impl Tile {
     }
 }
 
+/// A pixel with its place.
+type Placed = (u32, u32, Pixel);
+
 /// What is needed of a pixel to tell where edges are.
 #[derive(Clone, Copy, Debug)]
 struct Centre {
@@ -122,30 +125,13 @@ struct Centre {
 fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Rendered {
     let prepared = Prepared::new(scene);
     let (width, height) = scene.settings().size;
-    let tiles = Tile::all(width, height);
     let passes = if scene.settings().samples > 1 { 2 } else { 1 };
-    let done = AtomicUsize::new(0);
-    let report = || {
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if let Some(progress) = options.progress {
-            progress(done as f64 / (tiles.len() * passes) as f64);
-        }
-    };
-
+    let painter = Painter { tiles: Tile::all(width, height), passes, done: AtomicUsize::new(0), options };
     let mut stats = Stats::default();
     let mut centres =
         vec![Centre { pixel: Pixel::MISS, colour: DVec3::ZERO }; width as usize * height as usize];
-    let first: Vec<(Vec<Centre>, Spent)> = tiles
-        .par_iter()
-        .map_init(Asker::default, |asker, tile| {
-            let spent = Spent::start(asker);
-            let list = look_through_centres(&prepared, asker, *tile);
-            report();
-            (list, spent.end(asker))
-        })
-        .collect();
-    for (tile, (list, spent)) in tiles.iter().zip(first) {
-        spent.add_to(&mut stats);
+    let first = painter.pass(&mut stats, |asker, tile| look_through_centres(&prepared, asker, tile));
+    for (tile, list) in painter.tiles.iter().zip(first) {
         for ((x, y), centre) in tile.pixels().zip(list) {
             stats.count(&centre.pixel);
             centres[(y * width + x) as usize] = centre;
@@ -156,21 +142,47 @@ fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Rendered {
         film.set(i as u32 % width, i as u32 / width, &centre.pixel);
     }
     if passes == 2 {
-        let second: Vec<(Vec<(u32, u32, Pixel)>, Spent)> = tiles
-            .par_iter()
-            .map_init(Asker::default, |asker, tile| {
-                let spent = Spent::start(asker);
-                let list = refine_edges(&prepared, asker, *tile, &centres);
-                report();
-                (list, spent.end(asker))
-            })
-            .collect();
-        for (list, spent) in second {
-            spent.add_to(&mut stats);
-            list.iter().for_each(|(x, y, pixel)| film.set(*x, *y, pixel));
-        }
+        let second = painter.pass(&mut stats, |asker, tile| refine_edges(&prepared, asker, tile, &centres));
+        second.iter().flatten().for_each(|(x, y, pixel)| film.set(*x, *y, pixel));
     }
     Rendered { film, stats }
+}
+
+/// The tiles of a picture, and how much of the work on them is done.
+struct Painter<'o> {
+    tiles: Vec<Tile>,
+    passes: usize,
+    /// Tiles done so far, counted in every pass.
+    done: AtomicUsize,
+    options: &'o RenderOptions<'o>,
+}
+
+impl Painter<'_> {
+    /// Works on all tiles; the results come in the order of the tiles, whoever is done first.
+    fn pass<T: Send>(&self, stats: &mut Stats, work: impl Fn(&mut Asker, Tile) -> T + Sync) -> Vec<T> {
+        let results: Vec<(T, Spent)> = self
+            .tiles
+            .par_iter()
+            .map_init(Asker::default, |asker, &tile| {
+                let spent = Spent::start(asker);
+                let result = work(asker, tile);
+                self.report();
+                (result, spent.end(asker))
+            })
+            .collect();
+        let unpack = |(result, spent): (T, Spent)| {
+            spent.add_to(stats);
+            result
+        };
+        results.into_iter().map(unpack).collect()
+    }
+
+    fn report(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if let Some(progress) = self.options.progress {
+            progress(done as f64 / (self.tiles.len() * self.passes) as f64);
+        }
+    }
 }
 
 /// Rays and evaluations between two moments.
@@ -231,12 +243,7 @@ fn to_pixel(sample: &Sample) -> Pixel {
 }
 
 /// More samples for the pixels of a tile that differ from a neighbour.
-fn refine_edges(
-    prepared: &Prepared<'_>,
-    asker: &mut Asker,
-    tile: Tile,
-    centres: &[Centre],
-) -> Vec<(u32, u32, Pixel)> {
+fn refine_edges(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile, centres: &[Centre]) -> Vec<Placed> {
     let (width, height) = prepared.scene.settings().size;
     let extra = prepared.scene.settings().samples as usize - 1;
     let at = |x: u32, y: u32| &centres[(y * width + x) as usize];

@@ -1,20 +1,20 @@
 //! Bundles: rays that run close together share what intervals find out about the space that they cross.
 //!
-//! The stretch of a bundle is cut into slabs. The box of each slab is evaluated over intervals, all slabs at once: where
-//! that excludes the surface, no ray of the bundle looks. Elsewhere the bundle is split into smaller ones and the slab is
-//! cut again; what stays open is marched ray by ray. At each step the program is shortened to what can matter inside
-//! the box.
+//! The stretch of a bundle is cut into slabs. The box of each slab is evaluated over intervals, all slabs at once:
+//! where that excludes the surface, no ray of the bundle looks. A slab that stays open is asked again for the smaller
+//! bundles of which the bundle is made, and where it is open for these it is marched ray by ray. At each step the
+//! program is shortened to what can matter inside the box.
 
 use crate::march::{Job, Marcher};
 use crate::ray::{Certificate, Hit, Method, Outcome, Ray, Settings};
 use crate::sampled;
 use fieldstone_field::{F64, Intervals, LANES, Points, Tape, Workspace};
 
-/// Into how many slabs a bundle is cut, and each slab of a smaller bundle again.
+/// Into how many slabs the stretch of a bundle is cut, and into how many each of these for the smaller bundles.
 const SLABS: [usize; 2] = [8, 1];
 /// How many rays the smaller bundles have; callers that order their rays by blocks of 8 × 8 pixels gain most.
 const SMALL_BUNDLE: usize = 64;
-/// Programs of fewer instructions are not shortened a second time.
+/// Programs of fewer instructions are not shortened a second time, for the smaller bundles.
 const WORTH_SHORTENING: usize = 24;
 
 /// Finds first hits; keeps its memory between calls, so that a thread needs only one.
@@ -50,6 +50,27 @@ struct Bundle<'b> {
     outcomes: &'b mut [Outcome],
 }
 
+/// A stretch of the rays of a bundle, which is cut into slabs.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    /// Place in [`SLABS`].
+    level: usize,
+}
+
+impl Stretch {
+    fn slab_count(self) -> usize {
+        SLABS[self.level]
+    }
+
+    /// The two values of t between which slab `i` lies.
+    fn slab(self, i: usize) -> (f64, f64) {
+        let cut = |i: usize| self.from + (self.to - self.from) * i as f64 / self.slab_count() as f64;
+        (cut(i), cut(i + 1))
+    }
+}
+
 impl Tracer {
     /// A tracer.
     pub fn new() -> Self {
@@ -73,31 +94,30 @@ impl Tracer {
             sampled::run(&mut self.points, tape, (settings, step), jobs, finish);
             return outcomes;
         }
-        let extent = rays
+        let (from, to) = rays
             .iter()
-            .filter(|r| r.start < r.end)
+            .filter(|r| !r.is_empty())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |e, r| (e.0.min(r.start), e.1.max(r.end)));
-        if extent.0 < extent.1 {
+        if from < to {
             let all = (0..rays.len()).map(|i| (i, None)).collect();
-            self.descend(tape, &mut Bundle { rays, settings, outcomes: &mut outcomes }, all, extent, 0);
+            let mut bundle = Bundle { rays, settings, outcomes: &mut outcomes };
+            self.descend(tape, &mut bundle, all, Stretch { from, to, level: 0 });
         }
         outcomes
     }
 
-    /// Traces some rays of a bundle between two values of t; returns those that are still on their way behind.
+    /// Traces some rays of a bundle along a stretch; returns those that are still on their way behind it.
     fn descend(
         &mut self,
         tape: &Tape,
         bundle: &mut Bundle<'_>,
         mut under_way: Vec<UnderWay>,
-        (from, to): (f64, f64),
-        level: usize,
+        stretch: Stretch,
     ) -> Vec<UnderWay> {
-        let count = SLABS[level];
-        let cut = |i: usize| from + (to - from) * i as f64 / count as f64;
-        let slabs = self.classify(tape, bundle.rays, &under_way, count, &cut, level);
-        for (i, &slab) in slabs[..count].iter().enumerate() {
-            let span = (cut(i), cut(i + 1));
+        let level = stretch.level;
+        let slabs = self.classify(tape, bundle.rays, &under_way, stretch);
+        for (i, &slab) in slabs[..stretch.slab_count()].iter().enumerate() {
+            let span = stretch.slab(i);
             match slab {
                 _ if under_way.is_empty() => break,
                 Slab::Empty => {}
@@ -109,7 +129,9 @@ impl Tracer {
                         .flatten();
                     let tape = shorter.as_ref().unwrap_or(tape);
                     under_way = if level + 1 < SLABS.len() {
-                        self.descend_in_parts(tape, bundle, &under_way, span, level + 1)
+                        let (from, to) = span;
+                        let inner = Stretch { from, to, level: level + 1 };
+                        self.descend_in_parts(tape, bundle, &under_way, inner)
                     } else {
                         self.march(tape, bundle, &under_way, span)
                     };
@@ -119,16 +141,16 @@ impl Tracer {
         under_way
     }
 
+    /// The same for the smaller bundles of which the bundle is made.
     fn descend_in_parts(
         &mut self,
         tape: &Tape,
         bundle: &mut Bundle<'_>,
         under_way: &[UnderWay],
-        span: (f64, f64),
-        level: usize,
+        stretch: Stretch,
     ) -> Vec<UnderWay> {
         let parts = under_way.chunk_by(|a, b| a.0 / SMALL_BUNDLE == b.0 / SMALL_BUNDLE);
-        parts.flat_map(|part| self.descend(tape, bundle, part.to_vec(), span, level)).collect()
+        parts.flat_map(|part| self.descend(tape, bundle, part.to_vec(), stretch)).collect()
     }
 
     /// What intervals say of the slabs, all at once.
@@ -137,18 +159,16 @@ impl Tracer {
         tape: &Tape,
         rays: &[Ray],
         under_way: &[UnderWay],
-        count: usize,
-        cut: &impl Fn(usize) -> f64,
-        level: usize,
+        stretch: Stretch,
     ) -> [Slab; SLABS[0]] {
         const { assert!(SLABS[0] <= LANES && SLABS[1] <= SLABS[0]) };
-        let boxes = &mut self.boxes[level];
+        let (boxes, count) = (&mut self.boxes[stretch.level], stretch.slab_count());
         let mut empty = [true; SLABS[0]];
         for (i, empty) in empty[..count].iter_mut().enumerate() {
-            let (lo, hi) = slab_box(rays, under_way, cut(i), cut(i + 1));
-            *empty = !(lo[0] <= hi[0]);
-            for axis in 0..3 {
-                let (lo, hi) = if *empty { (0.0, 0.0) } else { (lo[axis], hi[axis]) };
+            let bounds = slab_box(rays, under_way, stretch.slab(i));
+            *empty = bounds.is_none();
+            let (lo, hi) = bounds.unwrap_or_default();
+            for (axis, (lo, hi)) in lo.into_iter().zip(hi).enumerate() {
                 // Rounding of the rays' points is far below this.
                 let slack = 1e-12 * (lo.abs() + hi.abs());
                 boxes.input(axis, 0)[i] = lo - slack;
@@ -166,6 +186,7 @@ impl Tracer {
         })
     }
 
+    /// Marches some rays of a bundle one by one; returns those that are still on their way behind.
     fn march(
         &mut self,
         tape: &Tape,
@@ -174,16 +195,17 @@ impl Tracer {
         (a, b): (f64, f64),
     ) -> Vec<UnderWay> {
         let Bundle { rays, settings, outcomes } = bundle;
-        let jobs = under_way.iter().enumerate().map(|(place, &(ray, inside))| {
-            let whole = rays[ray];
-            Job { ray: Ray { start: whole.start.max(a), end: whole.end.min(b), ..whole }, place, inside }
+        let jobs = under_way.iter().enumerate().map(|(place, &(ray, inside))| Job {
+            ray: rays[ray].between(a, b),
+            place,
+            inside,
         });
         let mut next = under_way.to_vec();
         self.marcher.run(tape, settings, jobs, |job, found| {
             let (ray, inside) = under_way[job.place];
             let outcome = &mut outcomes[ray];
             outcome.cost += found.cost;
-            if !(job.ray.start < job.ray.end) {
+            if job.ray.is_empty() {
                 return;
             }
             outcome.certificate = outcome.certificate.max(found.certificate);
@@ -208,16 +230,16 @@ impl Bundle<'_> {
     /// Lets rays pass a slab whose sign is proved. One that comes with the other sign crossed the surface at its edge.
     fn pass(&mut self, (a, b): (f64, f64), inside: bool, under_way: &mut Vec<UnderWay>) {
         under_way.retain_mut(|(ray, known)| {
-            let (start, end) = (self.rays[*ray].start.max(a), self.rays[*ray].end.min(b));
-            if !(start < end) {
+            let part = self.rays[*ray].between(a, b);
+            if part.is_empty() {
                 return true;
             }
             let outcome = &mut self.outcomes[*ray];
             match *known {
                 None => outcome.starts_inside = inside,
                 Some(before) if before != inside => {
-                    let (before, after) = (start, start);
-                    outcome.hit = Some(Hit { t: start, before, after, entering: inside, jump: false });
+                    let t = part.start;
+                    outcome.hit = Some(Hit { t, before: t, after: t, entering: inside, jump: false });
                     outcome.ends_inside = false;
                     outcome.certificate = outcome.certificate.max(Certificate::Tolerance);
                     return false;
@@ -231,21 +253,15 @@ impl Bundle<'_> {
     }
 }
 
-/// The box of all rays between two values of t; empty if none is there.
-fn slab_box(rays: &[Ray], under_way: &[UnderWay], a: f64, b: f64) -> ([f64; 3], [f64; 3]) {
-    let mut bounds = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for ray in under_way.iter().map(|&(ray, _)| &rays[ray]) {
-        let (start, end) = (ray.start.max(a), ray.end.min(b));
-        if !(start < end) {
-            continue;
-        }
-        for t in [start, end] {
-            let point = ray.at(t);
-            for axis in 0..3 {
-                bounds.0[axis] = bounds.0[axis].min(point[axis]);
-                bounds.1[axis] = bounds.1[axis].max(point[axis]);
+/// The box of all rays between two values of t; none if nobody is there.
+fn slab_box(rays: &[Ray], under_way: &[UnderWay], (a, b): (f64, f64)) -> Option<([f64; 3], [f64; 3])> {
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for ray in under_way.iter().map(|&(ray, _)| rays[ray].between(a, b)).filter(|r| !r.is_empty()) {
+        for t in [ray.start, ray.end] {
+            for (axis, x) in ray.at(t).into_iter().enumerate() {
+                (lo[axis], hi[axis]) = (lo[axis].min(x), hi[axis].max(x));
             }
         }
     }
-    bounds
+    (lo[0] <= hi[0]).then_some((lo, hi))
 }

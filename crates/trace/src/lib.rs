@@ -1,8 +1,9 @@
 //! First hits of rays with fields, each with a certificate of what it rests on.
 //!
-//! [`Tracer::first_hits`] takes a [`Tape`](fieldstone_field::Tape) and a bundle of [`Ray`]s. The default method marches
-//! from the front with mixed affine forms and proves that nothing was missed; dichotomy with intervals and plain
-//! sampling are there for comparison, and for black boxes.
+//! [`Tracer::first_hits`] takes a [`Tape`](fieldstone_field::Tape) and a bundle of [`Ray`]s. Intervals first find out
+//! for the bundle as a whole where there can be no surface. The default method then marches each ray from the front with
+//! mixed affine forms and proves that nothing was missed; dichotomy with intervals and plain sampling are there for
+//! comparison, and for black boxes.
 
 mod bundle;
 mod march;

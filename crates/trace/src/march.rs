@@ -167,19 +167,7 @@ impl Marcher {
         let affine = matches!(settings.method, Method::Affine);
         let mut count = 0;
         for lane in lanes.iter().filter(|l| matches!(l.wish, Wish::Span)) {
-            let (a, b) = lane.span();
-            for axis in 0..3 {
-                let form = coordinate(&lane.job.ray, axis, a, b);
-                if affine {
-                    let parts = [form.centre, form.slope, form.error, form.lo, form.hi];
-                    for (component, part) in parts.into_iter().enumerate() {
-                        self.affine.input(axis, component)[count] = part;
-                    }
-                } else {
-                    self.interval.input(axis, 0)[count] = form.lo;
-                    self.interval.input(axis, 1)[count] = form.hi;
-                }
-            }
+            self.fill_span(affine, lane, count);
             count += 1;
         }
         if count == 0 {
@@ -207,6 +195,23 @@ impl Marcher {
                 slope: nothing,
                 error: nothing,
             }));
+        }
+    }
+
+    /// Writes the coordinates along the span of a lane where the evaluation reads them.
+    fn fill_span(&mut self, affine: bool, lane: &Lane, place: usize) {
+        let (a, b) = lane.span();
+        for axis in 0..3 {
+            let form = coordinate(&lane.job.ray, axis, a, b);
+            if affine {
+                let parts = [form.centre, form.slope, form.error, form.lo, form.hi];
+                for (component, part) in parts.into_iter().enumerate() {
+                    self.affine.input(axis, component)[place] = part;
+                }
+            } else {
+                self.interval.input(axis, 0)[place] = form.lo;
+                self.interval.input(axis, 1)[place] = form.hi;
+            }
         }
     }
 
@@ -253,7 +258,7 @@ impl Lane {
             _ => Walk::Front { length: end - start },
         };
         let wish = match job.inside {
-            _ if !(start < end) => Wish::Done,
+            _ if job.ray.is_empty() => Wish::Done,
             None => Wish::Start,
             Some(_) => Wish::Span,
         };

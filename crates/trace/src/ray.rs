@@ -1,5 +1,7 @@
 //! Rays, and what is found along them.
 
+use std::cmp::Ordering;
+
 /// A part of a straight line: origin + direction·t, t from `start` to `end`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -17,6 +19,16 @@ impl Ray {
     /// The point at t.
     pub fn at(&self, t: f64) -> [f64; 3] {
         [0, 1, 2].map(|i| self.origin[i] + self.direction[i] * t)
+    }
+
+    /// Whether no t lies between the ends; so it is where an end is undefined.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.start.partial_cmp(&self.end) != Some(Ordering::Less)
+    }
+
+    /// The part between two values of t, empty where it does not reach there.
+    pub(crate) fn between(&self, a: f64, b: f64) -> Self {
+        Self { start: self.start.max(a), end: self.end.min(b), ..*self }
     }
 }
 

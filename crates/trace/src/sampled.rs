@@ -21,7 +21,6 @@ struct Walker {
 impl Walker {
     fn new(job: Job) -> Self {
         let Job { ray, inside, .. } = job;
-        let done = !(ray.start < ray.end);
         Self {
             job,
             t: ray.start,
@@ -31,7 +30,7 @@ impl Walker {
             hit: None,
             undefined: false,
             cost: 0,
-            done,
+            done: ray.is_empty(),
         }
     }
 

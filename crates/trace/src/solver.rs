@@ -87,9 +87,12 @@ mod tests {
         (s.bracket(), s.turns)
     }
 
+    /// A function, its root between 1 and 2, and how many turns may be needed.
+    type Case = (fn(f64) -> f64, f64, u32);
+
     #[test]
     fn brackets_simple_multiple_and_steep_roots() {
-        let cases: [(fn(f64) -> f64, f64, u32); 5] = [
+        let cases: [Case; 5] = [
             (|x| x * x - 2.0, 2f64.sqrt(), 12),
             (|x| (x - 1.25).powi(3), 1.25, 130),
             (|x| (x - 1.7).tanh() * 1e3, 1.7, 14),

@@ -3,8 +3,8 @@
 use super::call::{Call, Outcome};
 use super::expression::{Expr, Vector};
 
-/// π as the C library has it; its values depend on it.
-#[allow(clippy::approx_constant)]
+/// π as the C library has it.
+#[allow(clippy::approx_constant, reason = "the library's values depend on it")]
 const PI: f64 = 3.141592;
 
 /// What the C library adds to angles and axes.

@@ -98,8 +98,8 @@ fn vertex<'g>(call: &Call<'g>, vertices: &[Vector<'g>], number: Expr<'g>) -> Res
     Err(format!("`{name}` holds {number}, but there are {} points", vertices.len()))
 }
 
-/// S³ times the convolution of a triangle (the factor is the C library's), in the plane frame (u, v) whose origin is the foot of the height on the longest
-/// edge: that edge reaches from u = −a₁ to u = a₂, and the third corner is at v = h.
+/// S³ times the convolution of a triangle (the factor is the C library's), in the plane frame (u, v) whose origin is the
+/// foot of the height on the longest edge: that edge reaches from u = −a₁ to u = a₂, and the third corner is at v = h.
 fn triangle<'g>(x: Vector<'g>, corners: [Vector<'g>; 3], s: Expr<'g>) -> Expr<'g> {
     let [c1, c2, c3] = longest_edge_first(corners);
     let along = (c2 - c1).unit();
