@@ -239,10 +239,12 @@ impl<R: Real> Add for Interval<R> {
         let lo = add_down(self.lo, other.lo);
         let hi = -add_down(-self.hi, -other.hi);
         let finite = (hi - lo).is_le(self.constant_real(R::HUGE));
+        let sum = Self { lo, hi };
         if R::any(!finite) {
-            return Self::add_unbounded(self, other);
+            // Chosen lane by lane, so that no value depends on its neighbours.
+            return Self::choose(finite, sum, Self::add_unbounded(self, other));
         }
-        Self { lo, hi }
+        sum
     }
 }
 
