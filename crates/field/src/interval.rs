@@ -240,7 +240,8 @@ impl<R: Real> Add for Interval<R> {
         let hi = -add_down(-self.hi, -other.hi);
         let finite = (hi - lo).is_le(self.constant_real(R::HUGE));
         if R::any(!finite) {
-            return Self::add_unbounded(self, other);
+            // Chosen lane by lane, so that no value depends on its neighbours.
+            return Self::choose(finite, Self { lo, hi }, Self::add_unbounded(self, other));
         }
         Self { lo, hi }
     }
