@@ -204,7 +204,11 @@ impl<'t> Search<'t> {
         let longest = hull.cell.longest_side().1;
         // What is thinner than the distance of samples may stick out of what they found.
         let unseen = if self.finding.proved { 0.0 } else { BARREN };
-        let pad = |x: f64| longest * (MARGIN + PADDING + unseen) + x.abs() * 1e-9 + f64::MIN_POSITIVE.sqrt();
+        // So may cells that were too small to divide, by their own length.
+        let undivided = 2.0 * self.root.longest_side().1 * SMALLEST;
+        let pad = |x: f64| {
+            longest * (MARGIN + PADDING + unseen) + x.abs() * 1e-9 + undivided + f64::MIN_POSITIVE.sqrt()
+        };
         Some(FoundBounds {
             min: lo.map(|x| x - pad(x)),
             max: hi.map(|x| x + pad(x)),
