@@ -2,7 +2,7 @@
 
 use crate::function::{Closure, Function};
 use crate::graph::{Graph, Input, Node, NodeId};
-use crate::reference;
+use crate::reference::{self, DEFAULT_FUEL};
 use std::sync::Arc;
 
 /// A field: a program whose first output is the value (f < 0 inside) and whose others are attributes.
@@ -13,6 +13,7 @@ pub struct Field {
     graph: Arc<Graph>,
     value: NodeId,
     attributes: Vec<NodeId>,
+    fuel: u32,
 }
 
 /// Values for the inputs of a field that do not vary over space. What is not set is 0.
@@ -44,7 +45,26 @@ impl Bindings {
 impl Field {
     /// A field of a program: `value` is negative inside; `attributes` are what the surface carries (colours first).
     pub fn new(graph: impl Into<Arc<Graph>>, value: NodeId, attributes: Vec<NodeId>) -> Self {
-        Self { graph: graph.into(), value, attributes }
+        Self { graph: graph.into(), value, attributes, fuel: DEFAULT_FUEL }
+    }
+
+    /// The same field with another number of turns that its data-dependent loops, all together, may take at a point.
+    /// Where they would take more, the value is undefined.
+    pub fn with_fuel(self, fuel: u32) -> Self {
+        Self { fuel, ..self }
+    }
+
+    /// How many turns data-dependent loops may take at a point.
+    pub fn fuel(&self) -> u32 {
+        self.fuel
+    }
+
+    /// Whether the value or an attribute comes out of a data-dependent loop.
+    pub fn has_loops(&self) -> bool {
+        let outputs: Vec<NodeId> =
+            std::iter::once(self.value).chain(self.attributes.iter().copied()).collect();
+        let nodes = self.graph.reachable(&outputs);
+        nodes.into_iter().any(|n| matches!(self.graph.node(n), Node::LoopOut(..)))
     }
 
     /// A black box: any function of x, y, z that is negative inside.
@@ -83,7 +103,7 @@ impl Field {
             Input::Coordinate(k) if usize::from(k) < coordinates.len() => coordinates[usize::from(k)],
             other => bindings.get(other),
         };
-        reference::evaluate(&self.graph, &outputs, (), input, reference::DEFAULT_FUEL)
+        reference::evaluate(&self.graph, &outputs, (), input, self.fuel)
     }
 
     /// Whether the value calls a function of which nothing but values is known.

@@ -20,6 +20,16 @@ pub trait Function: Send + Sync {
         Interval::undefined()
     }
 
+    /// A bound of the second derivative along every unit direction of the argument space, all over the box
+    /// `arguments`; the gradient may have kinks, but no jumps. Infinite where nothing is known (the default).
+    ///
+    /// A finite bound is a promise about [`gradient`](Function::gradient) too: its error is below 10⁻¹⁰ of its largest
+    /// component. Intervals and affine forms then follow the function with an error that falls with the square of
+    /// the size of the box.
+    fn curvature(&self, _arguments: &[Interval<f64>]) -> f64 {
+        f64::INFINITY
+    }
+
     /// Whether nothing but single values is known.
     fn is_black_box(&self) -> bool {
         true
@@ -45,6 +55,43 @@ impl fmt::Debug for dyn Function {
         write!(f, "Function({})", self.name())
     }
 }
+
+/// A function near a point of a box: it lies in `value` + gradient · (X − point) ± `bend` all over the box.
+pub(crate) struct Expansion {
+    /// The value at the point, with its rounding errors.
+    pub(crate) value: Interval<f64>,
+    /// By how much the function may leave its tangent in the box.
+    pub(crate) bend: f64,
+}
+
+/// Expands a function around a point of a box and leaves its derivatives in `gradient`; `None` where its second
+/// derivatives have no known bound.
+pub(crate) fn expand(
+    function: &dyn Function,
+    boxes: &[Interval<f64>],
+    point: &[f64],
+    gradient: &mut [f64],
+) -> Option<Expansion> {
+    let curvature = function.curvature(boxes);
+    if !curvature.is_finite() {
+        return None;
+    }
+    let single: Vec<Interval<f64>> = point.iter().map(|&p| Interval::new(p, p)).collect();
+    let value = function.interval(&single);
+    function.gradient(point, gradient);
+    let steepest = gradient.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+    let (mut reach, mut squares) = (0.0, 0.0);
+    for (b, p) in boxes.iter().zip(point) {
+        let distance = (b.hi - p).max(p - b.lo);
+        reach += distance;
+        squares += distance * distance;
+    }
+    let bend = (0.5 * curvature * squares + GRADIENT_ERROR * steepest * reach) * (1.0 + 1e-12);
+    (value.lo.is_finite() && value.hi.is_finite() && bend.is_finite()).then_some(Expansion { value, bend })
+}
+
+/// The error of gradients, relative to their largest component.
+const GRADIENT_ERROR: f64 = 1e-10;
 
 /// A closure as a black box.
 pub(crate) struct Closure<F> {

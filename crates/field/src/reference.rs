@@ -5,7 +5,7 @@
 use crate::graph::{Graph, Input, LoopId, Node, NodeId};
 use crate::{Domain, Real};
 
-/// How often a data-dependent loop may turn before its values count as undefined.
+/// How many turns the data-dependent loops of a program may take at a point before its values count as undefined.
 pub const DEFAULT_FUEL: u32 = 1_000_000;
 
 /// Evaluates nodes of a graph; `input` gives the value of every input.
@@ -27,6 +27,7 @@ struct Reference<'g, D: Domain, I> {
     graph: &'g Graph,
     token: <D::Real as Real>::Token,
     input: I,
+    /// How many turns are left to all loops together.
     fuel: u32,
     values: Vec<Option<D>>,
     carried: Vec<(LoopId, Vec<D>)>,
@@ -90,7 +91,7 @@ impl<D: Domain, I: Fn(Input) -> D> Reference<'_, D, I> {
         let body = self.graph.loops[l.0 as usize].clone();
         let initial = body.initial.iter().map(|&n| self.known(n)).collect();
         self.carried.push((l, initial));
-        for _ in 0..=self.fuel {
+        loop {
             self.forget_body(l);
             let condition = self.value(body.condition);
             let (may_hold, may_fail) = condition.truth();
@@ -101,6 +102,8 @@ impl<D: Domain, I: Fn(Input) -> D> Reference<'_, D, I> {
                 self.forget_body(l);
                 return self.carried.pop().map(|(_, values)| values).unwrap_or_default();
             }
+            let Some(rest) = self.fuel.checked_sub(1) else { break };
+            self.fuel = rest;
             let next: Vec<D> = body.next.iter().map(|&n| self.value(n)).collect();
             if let Some(last) = self.carried.last_mut() {
                 last.1 = next;

@@ -10,7 +10,6 @@ use crate::field::{Bindings, Field};
 use crate::function::Function;
 use crate::graph::Input;
 use crate::op::{Binary, Unary};
-use crate::reference::DEFAULT_FUEL;
 use std::sync::Arc;
 
 /// Where an operand comes from.
@@ -91,8 +90,6 @@ pub struct TapeOptions {
     pub attributes: bool,
     /// What the value is used for.
     pub reading: Reading,
-    /// How often a data-dependent loop may turn at one point.
-    pub fuel: u32,
 }
 
 impl Default for TapeOptions {
@@ -102,7 +99,6 @@ impl Default for TapeOptions {
             bindings: Bindings::default(),
             attributes: false,
             reading: Reading::Value,
-            fuel: DEFAULT_FUEL,
         }
     }
 }
@@ -135,7 +131,7 @@ impl Tape {
             constants: Arc::new(compiled.constants),
             uniforms: Arc::new(compiled.uniforms),
             functions: Arc::new(field.graph().functions.clone()),
-            fuel: options.fuel,
+            fuel: field.fuel(),
         };
         if options.reading == Reading::Sign {
             tape.mark_sign_only();

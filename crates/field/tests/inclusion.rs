@@ -76,7 +76,7 @@ fn point_in(r: &mut Random, b: &[Interval<f64>; 3]) -> [f64; 3] {
 }
 
 fn options(reading: Reading) -> TapeOptions {
-    TapeOptions { reading, fuel: 1000, ..TapeOptions::default() }
+    TapeOptions { reading, ..TapeOptions::default() }
 }
 
 fn values_at(tape: &Tape, points: &[[f64; 3]]) -> Vec<f64> {

@@ -154,13 +154,53 @@ fn loops_that_do_not_end_are_undefined_and_end() {
     let condition = g.lt(x, one);
     let next = g.add(v, one);
     let out = g.end_loop(endless, condition, &[next]);
-    let field = Field::new(g, out[0], Vec::new());
-    let tape = Tape::new(&field, &TapeOptions { fuel: 1000, ..TapeOptions::default() });
+    let field = Field::new(g, out[0], Vec::new()).with_fuel(1000);
+    let tape = Tape::new(&field, &TapeOptions::default());
     let w = run::<Points>(&tape, |lane, _| vec![lane as f64], 8);
     assert!(w.output(0, 0)[0].is_nan());
+    assert_eq!(w.turns(0), f64::INFINITY);
+    assert_eq!(w.turns(1), 0.0);
     assert_eq!(w.output(0, 0)[1..8], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     let w = run::<Intervals>(&tape, |_, _| vec![0.5, 1.5], 1);
     assert!(w.output(0, 0)[0].is_nan());
+}
+
+/// Σ over i < x of the turns of a loop to y: a loop in a loop.
+fn products_by_counting(fuel: u32) -> Field {
+    let mut g = Graph::new();
+    let (x, y) = (coordinate(&mut g, 0), coordinate(&mut g, 1));
+    let (zero, one) = (g.constant(0.0), g.constant(1.0));
+    let outer = g.begin_loop(&[zero, zero], None);
+    let (i, sum) = (g.loop_var(outer, 0), g.loop_var(outer, 1));
+    let more = g.lt(i, x);
+    // 0, but the inner loop cannot be taken out of the outer one.
+    let start = g.min(i, zero);
+    let inner = g.begin_loop(&[start], Some(outer));
+    let j = g.loop_var(inner, 0);
+    let inner_more = g.lt(j, y);
+    let next_j = g.add(j, one);
+    let turned = g.end_loop(inner, inner_more, &[next_j]);
+    let (next_i, next_sum) = (g.add(i, one), g.add(sum, turned[0]));
+    let out = g.end_loop(outer, more, &[next_i, next_sum]);
+    Field::new(g, out[1], Vec::new()).with_fuel(fuel)
+}
+
+#[test]
+fn all_loops_of_a_point_share_its_fuel_and_no_lane_spends_that_of_another() {
+    let place = |lane: usize| [lane as f64, (lane * lane % 11) as f64];
+    let fuel = 40;
+    let field = products_by_counting(fuel);
+    let tape = Tape::new(&field, &TapeOptions::default());
+    let w = run::<Points>(&tape, |lane, axis| vec![place(lane).get(axis).copied().unwrap_or(0.0)], LANES);
+    for lane in 0..LANES {
+        let [x, y] = place(lane);
+        let turns = x + x * y;
+        let expected = if turns <= f64::from(fuel) { (x * y, turns) } else { (f64::NAN, f64::INFINITY) };
+        let found = (w.output(0, 0)[lane], w.turns(lane));
+        assert_eq!(format!("{found:?}"), format!("{expected:?}"), "lane {lane}");
+        let reference = field.at(&[x, y, 0.0], &Bindings::new())[0];
+        assert!(reference == found.0 || (reference.is_nan() && found.0.is_nan()), "lane {lane}: {reference}");
+    }
 }
 
 /// A function that is known as a whole.

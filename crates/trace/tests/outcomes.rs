@@ -26,8 +26,8 @@ fn along_x(y: f64) -> Ray {
 }
 
 fn first_hit(field: &Field, ray: Ray, settings: &Settings) -> Outcome {
-    let tape =
-        Tape::new(field, &TapeOptions { reading: Reading::Sign, fuel: 1000, ..TapeOptions::default() });
+    let field = field.clone().with_fuel(1000);
+    let tape = Tape::new(&field, &TapeOptions { reading: Reading::Sign, ..TapeOptions::default() });
     Tracer::new().first_hits(&tape, &[ray], settings)[0]
 }
 

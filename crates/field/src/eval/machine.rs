@@ -12,14 +12,16 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 /// After so many turns of a loop whose condition a set leaves open, its values count as undefined.
-const OPEN_TURNS: u32 = 1024;
+const OPEN_TURNS: f64 = 1024.0;
 
 /// Runs a task with the instructions that `simd` stands for.
 #[inline(always)]
 pub(super) fn evaluate<S: Simd, P: Precision, K: Kind>(simd: S, task: Task<'_, P>) {
-    let Task { tape, memory, outputs, choices, lanes, trace, .. } = task;
+    let Task { tape, memory, outputs, choices, turns, lanes, trace, .. } = task;
     let chunks = lanes.div_ceil(P::Real::<S>::LANES);
-    let mut machine = Machine::<S, P, K> { simd, tape, memory, choices, trace, kind: PhantomData };
+    let active = P::Real::<S>::mask_from_lanes(simd, |_| true);
+    let mut machine =
+        Machine::<S, P, K> { simd, tape, memory, choices, turns, active, trace, kind: PhantomData };
     machine.block(&tape.run.instructions, 0..chunks, true);
     let row = K::Domain::<P::Real<S>>::COMPONENTS * LANES;
     for (o, &operand) in tape.run.outputs.iter().enumerate() {
@@ -44,10 +46,14 @@ struct Machine<'m, S: Simd, P: Precision, K: Kind> {
     tape: &'m Tape,
     memory: &'m mut [P::Scalar],
     choices: &'m mut [u8],
+    turns: &'m mut [P::Scalar],
+    /// The lanes of the chunk at work that turn in the loop at work.
+    active: MaskOf<S, P>,
     trace: bool,
     kind: PhantomData<K>,
 }
 
+type MaskOf<S, P> = <<P as Precision>::Real<S> as Real>::Mask;
 type DomainOf<S, P, K> = <K as Kind>::Domain<<P as Precision>::Real<S>>;
 
 impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
@@ -220,18 +226,24 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
     fn turn(&mut self, code: &LoopCode, chunk: usize) {
         let simd = self.simd;
         let undefined = <DomainOf<S, P, K> as Domain>::undefined(simd);
-        let mut turning = P::Real::<S>::mask_from_lanes(simd, |_| true);
-        let mut left = !turning;
+        let outer = self.active;
+        let fuel = P::Real::<S>::splat(simd, f64::from(self.tape.fuel));
+        let (zero, one) = (P::Real::<S>::splat(simd, 0.0), P::Real::<S>::splat(simd, 1.0));
+        let most_open = P::Real::<S>::splat(simd, OPEN_TURNS);
+        let mut turning = outer;
+        let mut left = outer & !outer;
         for (&register, &initial) in code.carried.iter().zip(&code.initial) {
             let value = self.get(initial, chunk);
             self.put(register, chunk, value);
         }
-        let mut open_turns = 0;
-        for _ in 0..=self.tape.fuel {
+        let mut open_turns = zero;
+        loop {
             self.block(&code.test, chunk..chunk + 1, false);
             let condition = self.get(code.condition, chunk);
             let (may_hold, may_fail) = condition.truth();
-            let nothing = condition.is_undefined();
+            let spent = self.spent(chunk);
+            let exhausted = turning & may_hold & (fuel.is_le(spent) | most_open.is_lt(open_turns));
+            let nothing = condition.is_undefined() | exhausted;
             let leaving = turning & (may_fail | nothing);
             for (&register, &result) in code.carried.iter().zip(&code.results) {
                 let (now, before) =
@@ -242,10 +254,14 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
             }
             left = left | leaving;
             turning = turning & may_hold & !nothing;
-            open_turns += u32::from(P::Real::<S>::any(turning & left));
-            if !P::Real::<S>::any(turning) || open_turns > OPEN_TURNS {
+            let infinity = P::Real::<S>::splat(simd, f64::INFINITY);
+            let spent = P::Real::<S>::pick(exhausted, infinity, spent);
+            self.spend(P::Real::<S>::pick(turning, spent + one, spent), chunk);
+            if !P::Real::<S>::any(turning) {
                 break;
             }
+            open_turns = P::Real::<S>::pick(turning & left, open_turns + one, open_turns);
+            self.active = turning;
             self.block(&code.body, chunk..chunk + 1, false);
             for ((&waiting, &next), &register) in code.waiting.iter().zip(&code.next).zip(&code.carried) {
                 let (next, now) = (self.get(next, chunk), self.get(Operand::Value(register), chunk));
@@ -256,10 +272,18 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
                 self.put(register, chunk, value);
             }
         }
-        for &result in &code.results {
-            let value = self.get(Operand::Value(result), chunk);
-            self.put(result, chunk, Domain::choose(turning, undefined, value));
-        }
+        self.active = outer;
+    }
+
+    /// How many turns the lanes of a chunk have taken.
+    #[inline(always)]
+    fn spent(&self, chunk: usize) -> P::Real<S> {
+        Real::load(self.simd, &self.turns[chunk * P::Real::<S>::LANES..])
+    }
+
+    #[inline(always)]
+    fn spend(&mut self, spent: P::Real<S>, chunk: usize) {
+        Real::store(spent, &mut self.turns[chunk * P::Real::<S>::LANES..]);
     }
 
     /// Records which operands may be taken; before the instruction runs, whose result may take an operand's place.

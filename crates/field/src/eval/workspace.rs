@@ -2,6 +2,7 @@
 
 use super::machine::evaluate;
 use super::{Affines, F32, F64, Gradients, Intervals, Kind, LANES, Points, Precision, Rows};
+use crate::real::Scalar;
 use crate::tape::Tape;
 use fearless_simd::Level;
 use std::marker::PhantomData;
@@ -38,6 +39,8 @@ pub struct Task<'t, P: Precision> {
     pub(super) memory: &'t mut [P::Scalar],
     pub(super) outputs: &'t mut [P::Scalar],
     pub(super) choices: &'t mut [u8],
+    /// How many turns the loops took in each lane; infinite where they were to take more than they may.
+    pub(super) turns: &'t mut [P::Scalar],
     pub(super) lanes: usize,
     /// Whether to record choices.
     pub(super) trace: bool,
@@ -84,6 +87,7 @@ pub struct Workspace<P: Precision, K: Engine<P>> {
     memory: Vec<P::Scalar>,
     outputs: Vec<P::Scalar>,
     choices: Vec<u8>,
+    turns: Vec<P::Scalar>,
     level: Level,
     kind: PhantomData<K>,
 }
@@ -106,7 +110,8 @@ impl<P: Precision, K: Engine<P>> Workspace<P, K> {
     }
 
     fn with_level(level: Level) -> Self {
-        Self { memory: Vec::new(), outputs: Vec::new(), choices: Vec::new(), level, kind: PhantomData }
+        let turns = vec![P::Scalar::default(); LANES];
+        Self { memory: Vec::new(), outputs: Vec::new(), choices: Vec::new(), turns, level, kind: PhantomData }
     }
 
     const fn row_count() -> usize {
@@ -130,6 +135,12 @@ impl<P: Precision, K: Engine<P>> Workspace<P, K> {
         &self.outputs[start..start + LANES]
     }
 
+    /// How many turns the data-dependent loops took together in a lane of the last [`run`](Self::run); infinite where
+    /// they did not end within [`Field::fuel`](crate::Field::fuel), so that what depends on them is undefined.
+    pub fn turns(&self, lane: usize) -> f64 {
+        self.turns[lane].to_f64()
+    }
+
     /// Evaluates `tape` in the first `lanes` lanes, at most [`LANES`].
     pub fn run(&mut self, tape: &Tape, lanes: usize) {
         self.execute(tape, lanes, false);
@@ -138,8 +149,9 @@ impl<P: Precision, K: Engine<P>> Workspace<P, K> {
     fn execute(&mut self, tape: &Tape, lanes: usize, trace: bool) {
         let lanes = lanes.min(LANES);
         self.reserve(tape, lanes);
-        let Self { memory, outputs, choices, level, .. } = self;
-        K::execute(Task { tape, level: *level, memory, outputs, choices, lanes, trace });
+        self.turns.fill(P::Scalar::default());
+        let Self { memory, outputs, choices, turns, level, .. } = self;
+        K::execute(Task { tape, level: *level, memory, outputs, choices, turns, lanes, trace });
     }
 
     /// Makes room, and fills the lanes of the last chunk that nobody asked for with what stands in the last lane.

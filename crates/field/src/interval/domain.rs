@@ -2,6 +2,7 @@
 
 use super::{FAR, Interval, LIBRARY_ULPS};
 use crate::domain::Domain;
+use crate::function::expand;
 use crate::real::whole_power;
 use crate::{Function, Real, Scalar};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -14,6 +15,24 @@ fn power<R: Real>(base: R, exponent: R) -> R {
 #[inline(always)]
 fn angle<R: Real>(y: R, x: R) -> R {
     y.map2(x, f64::atan2)
+}
+
+/// The image of a box under a function: what it says itself, and what its expansion around the middle leaves.
+fn image(function: &dyn Function, boxes: &[Interval<f64>], scratch: &mut [Vec<f64>; 2]) -> Interval<f64> {
+    let image = function.interval(boxes);
+    let [point, gradient] = scratch;
+    for (p, b) in point.iter_mut().zip(boxes) {
+        *p = (0.5 * b.lo + 0.5 * b.hi).max(b.lo).min(b.hi);
+    }
+    let Some(expansion) = expand(function, boxes, point, gradient) else { return image };
+    let mut reach = expansion.bend;
+    for ((b, p), g) in boxes.iter().zip(point).zip(gradient) {
+        reach += g.abs() * (b.hi - *p).max(*p - b.lo);
+    }
+    let reach = reach * (1.0 + 1e-12);
+    let (lo, hi) = ((expansion.value.lo - reach).next_down(), (expansion.value.hi + reach).next_up());
+    // A comparison with an undefined end is false, which leaves it.
+    Interval { lo: if image.lo < lo { lo } else { image.lo }, hi: if hi < image.hi { hi } else { image.hi } }
 }
 
 impl<R: Real> Domain for Interval<R> {
@@ -52,13 +71,15 @@ impl<R: Real> Domain for Interval<R> {
     }
     fn call(function: &dyn Function, arguments: &[Self], token: R::Token) -> Self {
         let mut boxes = vec![Interval::undefined(); arguments.len()];
+        let mut scratch = [vec![0.0; arguments.len()], vec![0.0; arguments.len()]];
         let mut upper = [0.0; 64];
         let lo = R::from_lanes(token, |i| {
             for (b, a) in boxes.iter_mut().zip(arguments) {
                 *b = Interval { lo: a.lo.lane(i), hi: a.hi.lane(i) };
             }
             let any_undefined = boxes.iter().any(|b| b.lo.is_nan());
-            let image = if any_undefined { Interval::undefined() } else { function.interval(&boxes) };
+            let image =
+                if any_undefined { Interval::undefined() } else { image(function, &boxes, &mut scratch) };
             upper[i] = image.hi;
             image.lo
         });

@@ -155,8 +155,9 @@ pub(super) fn hsv_from_rgb<'g>(call: &mut Call<'g>) -> Outcome<'g> {
     call.array_from(1, 3)?;
     let (low, high) = (r.min(g).min(b), r.max(g).max(b));
     let range = high - low;
-    let hue =
-        r.eq(high).select((g - b) / range, g.eq(high).select(2.0 + (b - r) / range, 4.0 + (r - g) / range));
+    // Which one is the largest is asked of two at a time, which sets of values can answer.
+    let (red, green) = (g.le(r).and(b.le(r)), b.le(g));
+    let hue = red.select((g - b) / range, green.select(2.0 + (b - r) / range, 4.0 + (r - g) / range));
     let hue = range.eq(0.0).select(0.0, 60.0 * hue);
     let saturation = high.eq(0.0).select(0.0, range / high);
     call.write(1, [hue, saturation, high]);

@@ -154,6 +154,21 @@ impl Function for EllipsoidDistance {
         Interval { lo: lo - error(x.1, y.1, z.1), hi: hi + error(x.0, y.0, z.0) }
     }
 
+    /// The distance bends like its level surfaces: at the distance f inside, with a curvature of κ/(1 − κf), where
+    /// κ ≤ e₂/e₀² is that of the ellipsoid. Deeper than the smallest radius of curvature lie its creases.
+    fn curvature(&self, arguments: &[Interval<f64>]) -> f64 {
+        let &[.., a, b, c] = arguments else { return f64::INFINITY };
+        if [a, b, c].iter().any(|axis| axis.lo != axis.hi) {
+            return f64::INFINITY;
+        }
+        let axes = [a.lo.abs(), b.lo.abs(), c.lo.abs()];
+        let (smallest, largest) = axes.iter().fold((f64::MAX, 0.0f64), |(s, l), e| (s.min(*e), l.max(*e)));
+        let sharpest = largest / (smallest * smallest);
+        let rest = 1.0 - sharpest * self.interval(arguments).hi;
+        // An undefined rest fails the comparison.
+        if rest > 0.0 { sharpest / rest * (1.0 + 1e-12) } else { f64::INFINITY }
+    }
+
     fn is_black_box(&self) -> bool {
         false
     }

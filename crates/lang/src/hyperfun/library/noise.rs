@@ -120,9 +120,77 @@ impl Perlin {
     /// No partial derivative is larger: |Σ w g| ≤ 1, and the derivative of the fade, at most 3/2, times the
     /// difference of two opposite faces, at most 2·√(3/4), both taken in the middle, where their product is largest.
     const SLOPE: f64 = 1.0 + 1.5 * 2.0 * Self::BOUND;
+
+    /// No second derivative along a unit vector u is larger: those of the weights sum up to at most
+    /// 2·6·|u|² + 4·(3/2)²·(|u|₁² − |u|²) ≤ 30 and act on heights of at most √3, and twice the first ones, which sum up
+    /// to at most 3·|u|₁ ≤ 3√3, act on slopes of at most 1.
+    const BEND: f64 = 62.4;
+}
+
+/// The fade 3t² − 2t³ of the two sides of a cell, 1 − fade first, with two derivatives, for t in an interval.
+struct Fade {
+    value: [Interval<f64>; 2],
+    first: [Interval<f64>; 2],
+    second: [Interval<f64>; 2],
+}
+
+impl Fade {
+    fn new(t: Interval<f64>) -> Self {
+        let fade = |t: f64| t * t * (3.0 - 2.0 * t);
+        let slope = |t: f64| 6.0 * t * (1.0 - t);
+        let steepest = if t.lo <= 0.5 && t.hi >= 0.5 { 1.5 } else { slope(t.lo).max(slope(t.hi)) };
+        let value = Interval::new(fade(t.lo), fade(t.hi));
+        let first = Interval::new(slope(t.lo).min(slope(t.hi)), steepest);
+        let second = Interval::new(6.0 - 12.0 * t.hi, 6.0 - 12.0 * t.lo);
+        let one = Interval::new(1.0, 1.0);
+        Self { value: [one - value, value], first: [-first, first], second: [-second, second] }
+    }
 }
 
 impl Cell {
+    /// A bound of the second derivatives in a part of the cell: the Frobenius norm of the matrix of their bounds.
+    fn bend(&self, fractions: [Interval<f64>; 3]) -> f64 {
+        let fades = fractions.map(Fade::new);
+        let mut squares = 0.0;
+        for a in 0..3 {
+            for b in a..3 {
+                let size = self.second_derivative(&fades, fractions, (a, b)).magnitude();
+                squares += if a == b { size * size } else { 2.0 * size * size };
+            }
+        }
+        // Far more than the rounding errors of the interval ends.
+        squares.sqrt() * (1.0 + 1e-9) + 1e-9
+    }
+
+    /// ∂²/∂a∂b of Σ w·g·(t − corner) over a part of the cell.
+    fn second_derivative(
+        &self,
+        fades: &[Fade; 3],
+        fractions: [Interval<f64>; 3],
+        (a, b): (usize, usize),
+    ) -> Interval<f64> {
+        let number = |k: f64| Interval::new(k, k);
+        let mut sum = number(0.0);
+        for (corner, direction) in self.corners.iter().enumerate() {
+            let side = [0, 1, 2].map(|axis| corner >> axis & 1);
+            let value = [0, 1, 2].map(|k| fades[k].value[side[k]]);
+            let first = [0, 1, 2].map(|k| fades[k].first[side[k]]);
+            let heights = [0, 1, 2].map(|k| number(direction[k]) * (fractions[k] - number(side[k] as f64)));
+            let height = heights[0] + heights[1] + heights[2];
+            sum = if a == b {
+                let others = value[(a + 1) % 3] * value[(a + 2) % 3];
+                let bend = fades[a].second[side[a]] * height + first[a] * number(2.0 * direction[a]);
+                sum + others * bend
+            } else {
+                let tilt = first[a] * first[b] * height
+                    + first[a] * value[b] * number(direction[b])
+                    + value[a] * first[b] * number(direction[a]);
+                sum + value[3 - a - b] * tilt
+            };
+        }
+        sum
+    }
+
     /// The value and its partial derivatives.
     fn value_and_gradient(&self) -> (f64, [f64; 3]) {
         let fade = self.fraction.map(|t| t * t * (3.0 - 2.0 * t));
@@ -169,6 +237,24 @@ impl Function for Perlin {
         let reach: f64 = arguments.iter().zip(&center).map(|(a, c)| (a.hi - c).max(c - a.lo)).sum();
         let (middle, radius) = (self.value(&center), Self::SLOPE * reach + ROUNDING);
         Interval { lo: (middle - radius).max(-bound), hi: (middle + radius).min(bound) }
+    }
+
+    /// In one cell the norm of the second derivatives, by interval arithmetic; across cells what holds everywhere.
+    fn curvature(&self, arguments: &[Interval<f64>]) -> f64 {
+        let &[x, y, z] = arguments else { return f64::INFINITY };
+        let sides = [x, y, z];
+        let is_finite = sides.iter().all(|side| side.lo.is_finite() && side.hi.is_finite());
+        if !is_finite {
+            return f64::INFINITY;
+        }
+        let floors = sides.map(|side| side.lo.floor());
+        let in_one_cell = (0..3).all(|k| sides[k].hi <= floors[k] + 1.0);
+        if !in_one_cell {
+            return Self::BEND;
+        }
+        let middle = [0, 1, 2].map(|k| floors[k] + 0.5);
+        let fractions = [0, 1, 2].map(|k| Interval::new(sides[k].lo - floors[k], sides[k].hi - floors[k]));
+        self.cell(middle).bend(fractions).min(Self::BEND)
     }
 
     fn is_black_box(&self) -> bool {

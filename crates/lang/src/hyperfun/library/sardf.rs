@@ -213,6 +213,33 @@ impl Function for Intersection {
         Interval { lo: lo - widen(lo), hi: hi + widen(hi) }
     }
 
+    /// On straight parts nothing bends. On arcs of constant radius R the second derivative is at most 2/R, as e² changes
+    /// by at most ½ and √(R²/2 − e²) ≥ R/2; on those of the negative quadrant the level lines have the radius
+    /// (1 − t)|d|, |d| being at least the larger operand, and |∇d| ≤ 1. Growing arcs end in a point, where nothing
+    /// bounds them.
+    fn curvature(&self, arguments: &[Interval<f64>]) -> f64 {
+        let &[x, y, r, alpha] = arguments else { return f64::INFINITY };
+        let near_zero = |v: Interval<f64>| v.lo < SNAP && v.hi > -SNAP;
+        let is_smooth = r.lo == r.hi && alpha.lo == alpha.hi && r.lo >= 0.0;
+        let t = alpha.lo.tan();
+        if !(is_smooth && (0.0..=1.0).contains(&t)) || (self.snaps && (near_zero(x) || near_zero(y))) {
+            return f64::INFINITY;
+        }
+        let r = r.lo;
+        // The straight part d = x reaches to the left and upwards from each of its points, d = y to the other side.
+        if matches!(zone([x.hi, y.lo, r, alpha.lo]), Zone::X)
+            || matches!(zone([x.lo, y.hi, r, alpha.lo]), Zone::Y)
+        {
+            return 0.0;
+        }
+        if x.hi < 0.0 && y.hi < 0.0 {
+            return 1.0 / ((1.0 - t) * x.hi.min(y.hi).abs());
+        }
+        let outer = 2.0 * r * (1.0 + 1e-12);
+        let is_fixed = x.lo.min(y.lo) > r && x.lo.max(y.lo) > outer;
+        if is_fixed && r > 0.0 { 2.0 / r } else { f64::INFINITY }
+    }
+
     fn is_black_box(&self) -> bool {
         false
     }

@@ -147,3 +147,15 @@ fn every_name_is_known_once_and_is_lower_case() {
         assert!(!names[..i].contains(name), "{name} is there twice");
     }
 }
+
+#[test]
+fn every_function_has_a_case_in_the_inclusion_test() {
+    let cases = include_str!("../../../../tests/library/cases.txt");
+    let named: Vec<&str> =
+        cases.lines().filter_map(|line| line.split_once(": ")).map(|(name, _)| name).collect();
+    let missing: Vec<_> = super::names().filter(|name| !named.contains(name)).collect();
+    assert!(missing.is_empty(), "no case for {missing:?}");
+    let unknown: Vec<_> = named.iter().filter(|name| lookup(name).is_none()).collect();
+    // The comment line names what a row looks like.
+    assert_eq!(unknown, [&"# One call of every function of the library"]);
+}
