@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use fieldstone::glam::DVec3;
-use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, formula, load};
+use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, LoopError, formula, load, settle_loops};
 use std::path::PathBuf;
 
 use crate::failure::Failure;
@@ -60,6 +60,9 @@ pub(crate) struct ModelArguments {
     /// Fix a coordinate, counted from 1: 4=0.5; may be repeated.
     #[arg(long = "coord", value_name = "K=V", value_parser = parse_coordinate)]
     coordinates: Vec<(usize, f64)>,
+    /// How many turns loops may take at a point before it counts as undefined [default: up to 1000000].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    fuel: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -78,13 +81,22 @@ impl ModelArguments {
             DialectName::Strict => Dialect::Strict,
         };
         let options = LoadOptions { object: self.object.clone(), dialect };
-        match (&self.model, &self.expression, &self.object) {
+        let mut loaded = match (&self.model, &self.expression, &self.object) {
             (_, Some(_), Some(object)) => {
-                Err(Failure::Usage(format!("a formula has no objects: leave `--object {object}` out")))
+                return Err(Failure::Usage(format!(
+                    "a formula has no objects: leave `--object {object}` out"
+                )));
             }
-            (_, Some(text), None) => Ok(formula(text)?),
-            (Some(path), None, _) => Ok(load(path, &options)?),
-            (None, None, _) => Err(Failure::Usage("there is no model: name a file, or use -e".to_owned())),
+            (_, Some(text), None) => formula(text)?,
+            (Some(path), None, _) => load(path, &options)?,
+            (None, None, _) => {
+                return Err(Failure::Usage("there is no model: name a file, or use -e".to_owned()));
+            }
+        };
+        match settle_loops(&mut loaded, &self.inputs(), self.fuel) {
+            Ok(()) => Ok(loaded),
+            Err(LoopError::Input(error)) => Err(error.into()),
+            Err(LoopError::Endless(error)) => Err(error.into()),
         }
     }
 

@@ -44,12 +44,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod endless;
 mod evaluate;
 mod inputs;
 mod load;
 mod output;
 mod request;
 
+pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};

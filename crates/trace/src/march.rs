@@ -21,6 +21,8 @@ const ACCEPT: f64 = 1.0 / 256.0;
 const FLOOR: f64 = 1.0 / (1u64 << 36) as f64;
 /// The same where the field may be undefined, so that no inclusion can ever prove anything.
 const UNDEFINED_FLOOR: f64 = 1.0 / 1024.0;
+/// The same where loops do not end.
+const ENDLESS_FLOOR: f64 = 1.0 / 64.0;
 /// After so many evaluations of one ray the floor rises by a factor of 4 every [`COARSER_EVERY`].
 const FUEL: u32 = 1024;
 const COARSER_EVERY: u32 = 64;
@@ -46,6 +48,8 @@ struct Span {
     centre: f64,
     slope: f64,
     error: f64,
+    /// Whether loops did not end.
+    endless: bool,
 }
 
 impl Span {
@@ -114,6 +118,8 @@ struct Lane {
     candidate: Option<Hit>,
     certificate: Certificate,
     cost: u32,
+    /// In how many spans loops did not end.
+    endless: u32,
 }
 
 /// Marches rays; keeps its memory between calls.
@@ -183,6 +189,7 @@ impl Marcher {
                 centre: centre[i],
                 slope: slope[i],
                 error: error[i],
+                endless: self.affine.turns(i).is_infinite(),
             }));
         } else {
             self.interval.run(tape, count);
@@ -194,6 +201,7 @@ impl Marcher {
                 centre: nothing,
                 slope: nothing,
                 error: nothing,
+                endless: self.interval.turns(i).is_infinite(),
             }));
         }
     }
@@ -247,7 +255,7 @@ fn coordinate(ray: &Ray, axis: usize, a: f64, b: f64) -> Span {
     let (centre, slope) = (o + d * (0.5 * (a + b)), d * (0.5 * (b - a)));
     let error = 4.0 * f64::EPSILON * (o.abs() + d.abs() * a.abs().max(b.abs()));
     let reach = slope.abs() + error;
-    Span { lo: centre - reach, hi: centre + reach, centre, slope, error }
+    Span { lo: centre - reach, hi: centre + reach, centre, slope, error, endless: false }
 }
 
 impl Lane {
@@ -272,6 +280,7 @@ impl Lane {
             candidate: None,
             certificate: Certificate::Certified,
             cost: 0,
+            endless: 0,
         }
     }
 
@@ -347,8 +356,15 @@ impl Lane {
         base * coarser * settings.size
     }
 
+    /// The shortest span that is still looked at where the field may be undefined, relative to the size. Loops that do
+    /// not end cost all the turns that they may take: there it is long, and doubles with every fourth such span.
+    fn undefined_floor(&self, endless: bool) -> f64 {
+        if endless { ENDLESS_FLOOR * 2f64.powi((self.endless / 4).min(8) as i32) } else { UNDEFINED_FLOOR }
+    }
+
     fn take_span(&mut self, span: &Span, settings: &Settings) {
         self.cost += 1;
+        self.endless += u32::from(span.endless);
         let (start, stop) = self.span();
         if stop <= start {
             return self.advance(stop.max(self.front), settings.size);
@@ -366,7 +382,7 @@ impl Lane {
             return;
         }
         let undefined = span.is_undefined();
-        let shortest = if undefined { UNDEFINED_FLOOR * settings.size } else { ACCEPT * settings.size };
+        let shortest = if undefined { self.undefined_floor(span.endless) } else { ACCEPT } * settings.size;
         if width <= shortest {
             self.wish = Wish::Ends { a, b };
         } else {

@@ -184,3 +184,21 @@ fn a_bundle_is_its_rays() {
         }
     }
 }
+
+#[test]
+fn loops_that_do_not_end_cost_a_ray_little() {
+    let mut g = Graph::new();
+    let x = g.input(Input::Coordinate(0));
+    let (zero, one) = (g.constant(0.0), g.constant(1.0));
+    let endless = g.begin_loop(&[one], None);
+    let v = g.loop_var(endless, 0);
+    let holds = g.lt(zero, x);
+    let next = g.add(v, one);
+    let out = g.end_loop(endless, holds, &[next]);
+    let field = Field::new(g, out[0], Vec::new());
+    for settings in methods() {
+        let outcome = first_hit(&field, along_x(0.0), &settings);
+        assert_eq!((outcome.hit, outcome.certificate), (None, Certificate::Undecided), "{settings:?}");
+        assert!(outcome.cost < 300, "{} evaluations, {settings:?}", outcome.cost);
+    }
+}
