@@ -1,5 +1,7 @@
 //! Inclusion is sacred: random programs × random boxes × random points, in every domain, in `f64` and `f32`, and for
 //! shortened programs.
+//!
+//! The programs are always the same. `FIELDSTONE_FUZZ=N` makes it N times as many, and `FIELDSTONE_SEED=S` others.
 
 use fieldstone_field::*;
 
@@ -25,6 +27,21 @@ impl Random {
     }
 }
 
+/// How many rounds a test has.
+fn rounds(usual: usize) -> usize {
+    usual * variable("FIELDSTONE_FUZZ").unwrap_or(1) as usize
+}
+
+/// The programs of a test.
+fn random(test: u64) -> Random {
+    Random(test + (variable("FIELDSTONE_SEED").unwrap_or(0) << 32))
+}
+
+fn variable(name: &str) -> Option<u64> {
+    let text = std::env::var(name).ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("{name}={text} is not a whole number")))
+}
+
 /// Constants that hurt: not in f32, tiny, huge, negative, zero.
 const CONSTANTS: [f64; 14] =
     [0.1, -0.3, 1.0, 2.0, -1.0, 0.5, 3.7, 1.0 / 3.0, 1e-30, 1e20, 0.0, -7.25, 1e4, 16_777_217.0];
@@ -32,12 +49,46 @@ const CONSTANTS: [f64; 14] =
 fn random_field(r: &mut Random, operations: usize) -> Field {
     let mut g = Graph::new();
     let mut nodes: Vec<NodeId> = (0..3).map(|i| g.input(Input::Coordinate(i))).collect();
+    random_operations(r, &mut g, &mut nodes, operations / 2);
+    if r.unit() < 0.2 {
+        random_loop(r, &mut g, &mut nodes);
+    }
+    random_operations(r, &mut g, &mut nodes, operations.div_ceil(2));
+    let value = *nodes.last().expect("there are nodes");
+    Field::new(g, value, Vec::new())
+}
+
+/// One of the last nodes, or any.
+fn recent(r: &mut Random, nodes: &[NodeId]) -> NodeId {
+    let reach = if r.unit() < 0.7 { 4.min(nodes.len()) } else { nodes.len() };
+    nodes[nodes.len() - 1 - r.below(reach)]
+}
+
+/// A loop of a few turns, which may leave early.
+fn random_loop(r: &mut Random, g: &mut Graph, nodes: &mut Vec<NodeId>) {
+    let (zero, one) = (g.constant(0.0), g.constant(1.0));
+    let turns = g.constant(1.0 + r.below(5) as f64);
+    let initial = [zero, recent(r, nodes), recent(r, nodes)];
+    let id = g.begin_loop(&initial, None);
+    let [count, a, b] = [0, 1, 2].map(|i| g.loop_var(id, i));
+    let mut inner = nodes.clone();
+    inner.extend([a, b]);
+    let count_inside = 1 + r.below(4);
+    random_operations(r, g, &mut inner, count_inside);
+    let mut condition = g.lt(count, turns);
+    if r.unit() < 0.5 {
+        let bound = g.constant(r.pick(&CONSTANTS));
+        let goes_on = g.lt(recent(r, &inner), bound);
+        condition = g.min(condition, goes_on);
+    }
+    let next = [g.add(count, one), recent(r, &inner), recent(r, &inner)];
+    let outputs = g.end_loop(id, condition, &next);
+    nodes.extend(outputs);
+}
+
+fn random_operations(r: &mut Random, g: &mut Graph, nodes: &mut Vec<NodeId>, operations: usize) {
     for _ in 0..operations {
-        let recent = |r: &mut Random, nodes: &[NodeId]| {
-            let reach = if r.unit() < 0.7 { 4.min(nodes.len()) } else { nodes.len() };
-            nodes[nodes.len() - 1 - r.below(reach)]
-        };
-        let (a, b, c) = (recent(r, &nodes), recent(r, &nodes), recent(r, &nodes));
+        let (a, b, c) = (recent(r, nodes), recent(r, nodes), recent(r, nodes));
         let node = match r.below(10) {
             0 | 1 => g.unary(r.pick(Unary::ALL), a),
             2..=5 => g.binary(r.pick(Binary::ALL), a, b),
@@ -53,8 +104,6 @@ fn random_field(r: &mut Random, operations: usize) -> Field {
         };
         nodes.push(node);
     }
-    let value = *nodes.last().expect("there are nodes");
-    Field::new(g, value, Vec::new())
 }
 
 /// A box: a centre near or far, half widths from nothing to large.
@@ -127,8 +176,8 @@ fn same_sign(a: f64, b: f64) -> bool {
 
 #[test]
 fn lanes_agree_with_the_reference() {
-    let mut r = Random(1);
-    for _ in 0..600 {
+    let mut r = random(1);
+    for _ in 0..rounds(600) {
         let field = random_field(&mut r, 12);
         let tape = Tape::new(&field, &options(Reading::Value));
         let b = random_box(&mut r);
@@ -142,11 +191,11 @@ fn lanes_agree_with_the_reference() {
 
 #[test]
 fn intervals_hold_every_value() {
-    let mut r = Random(2);
+    let mut r = random(2);
     let (mut wide, mut single) = (Workspace::<F64, Intervals>::new(), Workspace::<F32, Intervals>::new());
     let mut baseline = Workspace::<F64, Intervals>::baseline();
     let mut bounded = 0;
-    for round in 0..4000 {
+    for round in 0..rounds(4000) {
         let field = random_field(&mut r, 2 + round % 14);
         let tape = Tape::new(&field, &options(Reading::Value));
         let boxes: Vec<_> = (0..8).map(|_| random_box(&mut r)).collect();
@@ -177,7 +226,7 @@ fn intervals_hold_every_value() {
 
 #[test]
 fn affine_forms_hold_every_value() {
-    let mut r = Random(3);
+    let mut r = random(3);
     affine_holds::<F64>(&mut r, 1e-13);
     affine_holds::<F32>(&mut r, 1e-6);
 }
@@ -188,7 +237,7 @@ where
 {
     let mut w = Workspace::<P, Affines>::new();
     let mut sloped = 0;
-    for round in 0..3000 {
+    for round in 0..rounds(3000) {
         let field = random_field(r, 2 + round % 12);
         let tape = Tape::new(&field, &options(Reading::Value));
         let far = r.pick(&[0.0, 0.0, 1e4]);
@@ -260,10 +309,10 @@ where
 
 #[test]
 fn shortened_programs_agree_inside_their_region() {
-    let mut r = Random(4);
+    let mut r = random(4);
     let mut w = Workspace::<F64, Intervals>::new();
     let mut shortened = 0;
-    for round in 0..3000 {
+    for round in 0..rounds(3000) {
         let field = random_field(&mut r, 4 + round % 24);
         let boxes: Vec<_> = (0..4).map(|_| random_box(&mut r)).collect();
         for reading in [Reading::Value, Reading::Sign] {
