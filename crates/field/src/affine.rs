@@ -110,7 +110,9 @@ impl<R: Real> Affine<R> {
         let slope = first * self.slope;
         // A second derivative that overflowed, or is undefined, leaves NaN here and with it only the image.
         let poison = (second.hi - second.lo) * zero;
-        let error = first.magnitude() * self.error + (most - least) + poison;
+        // The derivative may have underflowed.
+        let lost = (reach + self.slope.magnitude() + self.error) * self.centre.like(R::TINY);
+        let error = first.magnitude() * self.error + (most - least) + poison + lost;
         Self::make(value + first * distance + (most + least), slope, error, image, magnitude)
     }
 
@@ -137,6 +139,8 @@ impl<R: Real> Affine<R> {
         let poison = ((gaps[0] + gaps[1]) + (gaps[2] + gaps[3])) * self.centre.like(0.0);
         // u and v are rounded, so that the gap may be negative by as much as their error allows.
         let slack = (x.magnitude() + y.magnitude()) * self.centre.like(8.0 * R::ULP) + poison;
+        // Squares may underflow, which a root makes large.
+        let slack = slack + self.centre.like(8.0 * R::TINY.sqrt());
         let half = largest * self.centre.like(0.5) + slack;
         let centre = u * self.centre + v * other.centre + half;
         let slope = u * self.slope + v * other.slope;

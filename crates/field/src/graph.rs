@@ -229,6 +229,11 @@ impl Graph {
             1 => return a,
             2 => return self.unary(Unary::Square, a),
             -1 => return self.unary(Unary::Recip, a),
+            // Exponents have a negative.
+            i32::MIN => {
+                let root = self.powi(a, i32::MIN / 2);
+                return self.unary(Unary::Square, root);
+            }
             _ => {}
         }
         if let Some(value) = self.constant_value(a) {

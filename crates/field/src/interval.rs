@@ -157,9 +157,10 @@ impl<R: Real> Interval<R> {
     #[inline(always)]
     fn meets(self, phase: f64, period: f64) -> R::Mask {
         let (inverse, phase) = (self.constant_real(1.0 / period), self.constant_real(phase));
-        // Nudged outward by far more than the rounding error of the quotient, for arguments below [`FAR`].
-        let below = ((self.lo - phase) * inverse + self.constant_real(-1e-6)).round_down();
-        let above = ((self.hi - phase) * inverse + self.constant_real(1e-6)).round_down();
+        // Nudged outward by far more than the rounding errors of the quotient.
+        let nudge = self.constant_real(1e-6) + self.magnitude() * self.constant_real(8.0 * R::ULP / period);
+        let below = ((self.lo - phase) * inverse - nudge).round_down();
+        let above = ((self.hi - phase) * inverse + nudge).round_down();
         !below.is_eq(above)
     }
 
@@ -297,7 +298,10 @@ impl<R: Real> Div for Interval<R> {
         let quotients = [self.lo / other.lo, self.lo / other.hi, self.hi / other.lo, self.hi / other.hi];
         let quotient = Self::hull4(quotients, 1.0);
         let pole = other.straddles_zero();
-        let nothing = self.lo.is_nan_mask() | (pole & self.straddles_zero());
+        // ∞/∞ is undefined wherever both ends may be reached; without a pole the quotients show it themselves.
+        let huge = self.constant_real(R::HUGE);
+        let infinite = huge.is_lt(self.magnitude()) & huge.is_lt(other.magnitude());
+        let nothing = self.lo.is_nan_mask() | (pole & (self.straddles_zero() | infinite));
         quotient.whole_where(pole).undefined_where(nothing)
     }
 }

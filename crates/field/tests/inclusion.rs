@@ -124,6 +124,25 @@ fn point_in(r: &mut Random, b: &[Interval<f64>; 3]) -> [f64; 3] {
     })
 }
 
+/// The operations of a field with their values at a point and over a set, as text, for messages.
+fn explain<D: Domain + std::fmt::Debug>(field: &Field, sets: [D; 3], p: &[f64; 3]) -> String
+where
+    D::Real: Real<Token = ()>,
+{
+    let graph = field.graph();
+    let mut nodes = graph.reachable(&[field.value()]);
+    nodes.retain(|n| !matches!(graph.node(*n), Node::LoopVar(..)));
+    nodes.sort();
+    let axis = |input| match input {
+        Input::Coordinate(k) => usize::from(k),
+        _ => 0,
+    };
+    let sets = reference::evaluate(graph, &nodes, (), |i| sets[axis(i)], 1000);
+    let values: Vec<f64> = reference::evaluate(graph, &nodes, (), |i| p[axis(i)], 1000);
+    let lines = nodes.iter().zip(sets.iter().zip(&values));
+    lines.map(|(n, (set, v))| format!("{n:?} {:?} = {v:e} in {set:?}\n", graph.node(*n))).collect()
+}
+
 fn options(reading: Reading) -> TapeOptions {
     TapeOptions { reading, ..TapeOptions::default() }
 }
@@ -207,15 +226,15 @@ fn intervals_hold_every_value() {
             for (p, v) in points.iter().zip(values_at(&tape, &points)) {
                 assert!(
                     double[i].contains(v),
-                    "{v:e} escapes {:?} at {p:?} of {b:?}\n{:?}",
+                    "{v:e} escapes {:?} at {p:?} of {b:?}\n{}",
                     double[i],
-                    field.graph()
+                    explain(&field, *b, p)
                 );
                 assert!(
                     float[i].contains(v),
-                    "{v:e} escapes f32 {:?} at {p:?} of {b:?}\n{:?}",
+                    "{v:e} escapes f32 {:?} at {p:?} of {b:?}\n{}",
                     float[i],
-                    field.graph()
+                    explain(&field, *b, p)
                 );
             }
             bounded += usize::from(double[i].lo.is_finite());
@@ -251,6 +270,7 @@ where
         } else {
             (origin, direction)
         };
+        let mut lifted = [Affine::from_interval(Interval::new(0.0, 0.0)); 3];
         for axis in 0..3 {
             // The lifted coordinate in f64, widened to the precision under test.
             let form = Affine::along_ray(origin[axis], direction[axis], start, end);
@@ -261,6 +281,7 @@ where
             };
             let lo = form.range.lo - extra;
             let hi = form.range.hi + extra;
+            lifted[axis] = form;
             for (c, v) in
                 [form.centre, form.slope, form.error + extra, lo - lo.abs() * 2e-7, hi + hi.abs() * 2e-7]
                     .into_iter()
@@ -282,8 +303,8 @@ where
         for ((t, p), v) in places.iter().zip(&points).zip(values_at(&tape, &points)) {
             assert!(
                 Interval::new(lo, hi).contains(v),
-                "{v:e} escapes [{lo:e}, {hi:e}] at {p:?}\n{:?}",
-                field.graph()
+                "{v:e} escapes [{lo:e}, {hi:e}] at {p:?}\n{}",
+                explain(&field, lifted, p)
             );
             assert!(
                 !lo.is_nan() || e.is_nan(),
@@ -298,8 +319,8 @@ where
             let slack = e + s.abs() * 1e-9 * (1.0 + start / (end - start)) + e.abs() * 1e-6;
             assert!(
                 (v - line).abs() <= slack || !v.is_finite(),
-                "{v:e} lies off the line {line:e} ± {e:e} at {p:?}\n{:?}",
-                field.graph()
+                "{v:e} lies off the line {line:e} ± {e:e} at {p:?}\n{}",
+                explain(&field, lifted, p)
             );
         }
         sloped += usize::from(s != 0.0);
@@ -331,8 +352,8 @@ fn shortened_programs_agree_inside_their_region() {
                     };
                     assert!(
                         agree,
-                        "{v:e} instead of {full:e} at {p:?} of {b:?} ({reading:?})\n{:?}",
-                        field.graph()
+                        "{v:e} instead of {full:e} at {p:?} of {b:?} ({reading:?})\n{}",
+                        explain(&field, *b, p)
                     );
                 }
             }

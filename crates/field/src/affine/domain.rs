@@ -150,7 +150,9 @@ impl<R: Real> Domain for Affine<R> {
         let arithmetic = (p + q) * self.centre.like(0.5);
         let delta = (arithmetic - mean).magnitude()
             + (arithmetic.magnitude() + mean.magnitude()) * self.centre.like(4.0 * R::ULP);
-        self.fitted(alpha, arithmetic + mean, delta, image)
+        // The product of two small reciprocals may have underflowed.
+        let lost = (self.range.magnitude() + self.slope.magnitude()) * self.centre.like(4.0 * R::TINY);
+        self.fitted(alpha, arithmetic + mean, delta + lost, image)
     }
     #[inline(always)]
     fn exp(self) -> Self {
@@ -304,7 +306,13 @@ impl<R: Real> Domain for Affine<R> {
         // Across the cut on the negative x axis the angle jumps; no line is steep enough there.
         let zero = self.centre.like(0.0);
         let cut = self.range.lo.is_le(zero) & zero.is_le(self.range.hi) & other.range.lo.is_le(zero);
-        let bend = R::pick(cut, self.centre.like(f64::INFINITY), bend);
+        // So small a square, and one that overflowed, says nothing of the slopes.
+        let says_nothing =
+            square.is_le(self.centre.like(R::TINY / R::ULP)) | !square.is_le(self.centre.like(R::HUGE));
+        let bend = R::pick(cut | says_nothing, self.centre.like(f64::INFINITY), bend);
+        let moved = self.centre.magnitude() + self.slope.magnitude() + self.error + y.magnitude();
+        let other_moved = other.centre.magnitude() + other.slope.magnitude() + other.error + x.magnitude();
+        let bend = bend + (moved + other_moved) * self.centre.like(4.0 * R::TINY);
         let value: R = Domain::atan2(y, x);
         let centre = value + by_y * (self.centre - y) + by_x * (other.centre - x);
         let slope = by_y * self.slope + by_x * other.slope;

@@ -73,11 +73,17 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn powi(self, n: i32) -> Self {
-        whole_power(self, n)
+        let power = whole_power(self, n.abs());
+        if n < 0 { Domain::recip(power) } else { power }
+    }
+    // A zero has no sign: the smaller of 0 and −0 may be either, and nothing may depend on which.
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self / (other + R::splat(Real::token(self), 0.0))
     }
     #[inline(always)]
     fn recip(self) -> Self {
-        R::splat(Real::token(self), 1.0) / self
+        R::splat(Real::token(self), 1.0) / (self + R::splat(Real::token(self), 0.0))
     }
     #[inline(always)]
     fn exp(self) -> Self {
@@ -170,7 +176,9 @@ impl<R: Real> Domain for R {
         let ratio = a / b;
         // Both infinite: as for any two that are equal.
         let ratio = R::pick(ratio.is_nan_mask(), self.like(1.0), ratio);
-        let stable = (a + a) / (self.like(1.0) + ratio + (self.like(1.0) + ratio * ratio).root());
+        // Halving the divisor, and not doubling a, overflows nowhere.
+        let divisor = self.like(1.0) + ratio + (self.like(1.0) + ratio * ratio).root();
+        let stable = a / (divisor * self.like(0.5));
         let value = R::pick(self.like(0.0).is_lt(sum), stable, sum - length);
         // +∞ and −∞: the limit.
         let opposite = sum.is_nan_mask() & self.is_eq(self) & other.is_eq(other);
@@ -182,11 +190,11 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn pow(self, other: Self) -> Self {
-        self.map2(other, f64::powf)
+        self.map2(other, |a, b| (a + 0.0).powf(b))
     }
     #[inline(always)]
     fn atan2(self, other: Self) -> Self {
-        self.map2(other, f64::atan2)
+        self.map2(other, |y, x| (y + 0.0).atan2(x + 0.0))
     }
     #[inline(always)]
     fn rem(self, other: Self) -> Self {
