@@ -98,7 +98,7 @@ impl<D: Domain> Div for Dual<D> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let quotient = self.value / other.value;
+        let quotient = Domain::div(self.value, other.value);
         let by_first = other.value.recip();
         self.chain2(other, quotient, by_first, -(quotient * by_first))
     }
