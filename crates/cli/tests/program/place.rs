@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 
 /// A folder with the program in it, so to speak.
 pub(crate) struct Place {
@@ -38,15 +38,20 @@ impl Place {
         names
     }
 
-    pub(crate) fn run(&self, arguments: &[&str], input: &str) -> Run {
-        let mut child = Command::new(Path::new(env!("CARGO_BIN_EXE_fieldstone")))
+    /// Starts the program, whose streams are pipes.
+    pub(crate) fn start(&self, arguments: &[&str]) -> Child {
+        Command::new(Path::new(env!("CARGO_BIN_EXE_fieldstone")))
             .args(arguments)
             .current_dir(self.folder.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .unwrap();
+            .unwrap()
+    }
+
+    pub(crate) fn run(&self, arguments: &[&str], input: &str) -> Run {
+        let mut child = self.start(arguments);
         let mut stdin = child.stdin.take().unwrap();
         let text = input.to_owned();
         // The program may stop before it has read everything.
