@@ -1,8 +1,13 @@
-//! Ctrl-C while a picture is drawn.
+//! Ctrl-C while a picture is drawn, and the bar that shows how far it is.
 #![cfg(target_os = "linux")]
 
 use crate::place::Place;
-use std::process::{Child, Command};
+use nix::pty::{Winsize, openpty};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::fs::File;
+use std::io::Read;
+use std::process::Child;
 use std::time::Duration;
 
 /// Takes minutes.
@@ -34,13 +39,13 @@ fn wait_until_it_listens(child: &Child) {
 }
 
 fn press_ctrl_c(child: &Child) {
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    kill(Pid::from_raw(child.id().try_into().unwrap()), Signal::SIGINT).unwrap();
 }
 
 #[test]
 fn an_interrupt_leaves_nothing_behind() {
     let place = Place::new();
-    let child = place.start(&SLOW);
+    let child = place.command(&SLOW).spawn().unwrap();
     wait_until_it_listens(&child);
     // Into the work.
     std::thread::sleep(Duration::from_millis(300));
@@ -56,10 +61,55 @@ fn an_interrupt_leaves_nothing_behind() {
 fn an_interrupt_keeps_what_was_there() {
     let place = Place::new();
     place.file("ball.png", "old");
-    let child = place.start(&SLOW);
+    let child = place.command(&SLOW).spawn().unwrap();
     wait_until_it_listens(&child);
     press_ctrl_c(&child);
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
     assert_eq!(place.files(), ["ball.png"]);
     assert_eq!(std::fs::read_to_string(place.path("ball.png")).unwrap(), "old");
+}
+
+/// Starts the slow picture with a terminal for its errors, which can be read from the other end.
+fn start_on_a_terminal(place: &Place, more: &[&str]) -> (Child, File) {
+    let size = Winsize { ws_row: 24, ws_col: 80, ws_xpixel: 0, ws_ypixel: 0 };
+    let terminal = openpty(&size, None).unwrap();
+    let arguments: Vec<&str> = SLOW.iter().chain(more).copied().collect();
+    // The command is dropped here, and the program's end of the terminal with it.
+    let child = place.command(&arguments).stderr(terminal.slave).spawn().unwrap();
+    (child, File::from(terminal.master))
+}
+
+/// What appears on a terminal until it holds a text, or until the program ends.
+fn read_until(terminal: &mut File, text: &str) -> String {
+    let (mut shown, mut bytes) = (String::new(), [0; 4096]);
+    while !shown.contains(text) {
+        // The end of the program is an error here.
+        let Ok(count @ 1..) = terminal.read(&mut bytes) else { break };
+        shown.push_str(&String::from_utf8_lossy(&bytes[..count]));
+    }
+    shown
+}
+
+#[test]
+fn a_bar_on_a_terminal_shows_the_time_left_and_goes_away() {
+    let place = Place::new();
+    let (mut child, mut terminal) = start_on_a_terminal(&place, &[]);
+    let shown = read_until(&mut terminal, " left");
+    assert!(shown.contains(" %, "), "{shown:?}");
+    press_ctrl_c(&child);
+    let after = read_until(&mut terminal, "written");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    // The line is erased before the message.
+    assert!(after.contains("\u{1b}[2Kinterrupted: nothing was written"), "{after:?}");
+}
+
+#[test]
+fn a_quiet_program_shows_no_bar() {
+    let place = Place::new();
+    let (mut child, mut terminal) = start_on_a_terminal(&place, &["--quiet"]);
+    wait_until_it_listens(&child);
+    std::thread::sleep(Duration::from_millis(800));
+    press_ctrl_c(&child);
+    assert_eq!(read_until(&mut terminal, "\n"), "interrupted: nothing was written\r\n");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
 }
