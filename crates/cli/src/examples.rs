@@ -122,6 +122,34 @@ mod tests {
         assert!(count > 15, "only {count} examples found");
     }
 
+    /// The commands of a document: lines of code that begin with the program, and those between backquotes.
+    fn commands_of(text: &str) -> Vec<&str> {
+        let indented = text.lines().filter_map(|line| line.strip_prefix("    "));
+        let quoted = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
+        let commands = indented.chain(quoted).filter(|command| command.starts_with("fieldstone "));
+        let commands = commands.map(|command| command.split(" #").next().unwrap_or(command));
+        // `fieldstone eval` alone is a name.
+        commands.filter(|command| command.split_whitespace().count() > 2).collect()
+    }
+
+    #[test]
+    fn every_command_in_the_documents_is_one() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut count = 0;
+        for document in ["README.md", "gallery/README.md", "docs/hyperfun.md", "docs/hyperfun/tutorial.md"] {
+            let text = std::fs::read_to_string(root.join(document)).unwrap();
+            for command in commands_of(&text) {
+                count += 1;
+                match Arguments::try_parse_from(words(command)) {
+                    Err(error) if error.exit_code() != 0 => panic!("{document}: {command}\n{error}"),
+                    // `--help` is an error to the parser, with the exit code 0.
+                    _ => {}
+                }
+            }
+        }
+        assert!(count > 30, "only {count} commands found");
+    }
+
     #[test]
     fn a_wrong_example_would_be_noticed() {
         assert_eq!(words("a -e 'x + y' < points"), ["a", "-e", "x + y"]);

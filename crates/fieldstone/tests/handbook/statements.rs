@@ -29,9 +29,9 @@ fn statement(line: &str) -> Option<(bool, Vec<f64>, Vec<f64>)> {
 }
 
 /// What does not hold of what an example states, and how much it states.
-fn wrong_statements(example: &Example) -> (Vec<String>, usize) {
+fn wrong_statements(example: &Example, dialect: Dialect) -> (Vec<String>, usize) {
     let inputs = Inputs { coordinates: Vec::new(), ..example.request(8).unwrap().inputs };
-    let model = example.load(Dialect::Lenient).unwrap().model;
+    let model = example.load(dialect).unwrap().model;
     let mut evaluator = Evaluator::new(&model, &inputs).unwrap();
     let (mut wrong, mut count) = (Vec::new(), 0);
     for (about_attributes, point, expected) in example.text.lines().filter_map(statement) {
@@ -50,11 +50,23 @@ fn wrong_statements(example: &Example) -> (Vec<String>, usize) {
 fn what_examples_state_holds() {
     let mut faults = Vec::new();
     for example in all().unwrap() {
-        let (wrong, count) = wrong_statements(&example);
+        let (wrong, count) = wrong_statements(&example, Dialect::Lenient);
         faults.extend(wrong);
         if count == 0 {
             faults.push(format!("{} {}: states nothing", example.place, example.name));
         }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Examples of what the dialects differ in.
+const LENIENT: [&str; 4] = ["hfFMapBlob", "hfA_Cerp", "hfA_Circles", "hfA_Crackles"];
+
+#[test]
+fn the_same_holds_in_the_strict_dialect_where_nothing_else_is_said() {
+    let mut faults = Vec::new();
+    for example in all().unwrap().iter().filter(|example| !LENIENT.contains(&example.name.as_str())) {
+        faults.extend(wrong_statements(example, Dialect::Strict).0);
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
@@ -64,7 +76,7 @@ fn wrong_statements_are_noticed() {
     let page = "```hyperfun A\nmy_model(x[3], a[1], s[2])\n{\n-- value at (1, 0, 0): 1\n-- value at (1, 0, 0): 1.00001\n\
                 -- attributes at (1, 0, 0): 5 0\n-- attributes at (1, 0, 0): 5\n-- value at (0, 0, 0): undefined\n\
                 s[1] = 5; my_model = x[1]; }\n```\n";
-    let (wrong, count) = wrong_statements(&examples("page", page).unwrap()[0]);
+    let (wrong, count) = wrong_statements(&examples("page", page).unwrap()[0], Dialect::Lenient);
     assert_eq!((wrong.len(), count), (3, 5), "{wrong:?}");
 }
 
@@ -128,5 +140,42 @@ fn every_function_of_the_language_is_described_and_has_a_value() {
         let call = format!("{}(", function.name);
         assert!(table.contains(&format!("`{call}")), "{} is not described", function.name);
         assert!(values.iter().any(|(e, _)| e.starts_with(&call)), "{} has no value", function.name);
+    }
+}
+
+/// The words in backquotes of a row of the reference.
+fn row(item: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(folder().join("hyperfun.md")).unwrap();
+    let rest = text.split(&format!("| {item} | `")).nth(1).unwrap_or_else(|| panic!("no row {item}"));
+    rest.split('`').next().unwrap().replace("\\|", "|").split(' ').map(str::to_owned).collect()
+}
+
+#[test]
+fn reserved_words_are_reserved_and_others_are_not() {
+    let words = row("reserved");
+    assert_eq!(words.len(), 15);
+    let is_free = |name: &str| {
+        read(&format!("my_model(x[3], a[1]) {{ {name} = 1; my_model = 1; }}"), Dialect::Lenient).is_ok()
+    };
+    let functions = hyperfun_functions();
+    for word in words.iter().map(String::as_str).chain(functions.iter().map(|function| function.name)) {
+        assert!(!is_free(word), "{word} can be assigned");
+    }
+    assert!(is_free("pi") && is_free("hfthing"));
+}
+
+#[test]
+fn the_operators_of_the_reference_are_all_there() {
+    let words = row("operators");
+    assert_eq!(words.len(), 16);
+    for word in words {
+        let body = match word.as_str() {
+            "=" | "/=" | "<" | "<=" | ">" | ">=" => {
+                format!("if x[1] {word} 2 then f = 1; else f = 2; endif; my_model = f;")
+            }
+            "~" => "my_model = ~x[1];".to_owned(),
+            _ => format!("my_model = x[1] {word} 2;"),
+        };
+        assert!(value(&body, Dialect::Lenient).is_finite(), "{word}");
     }
 }
