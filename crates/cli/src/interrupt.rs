@@ -2,8 +2,13 @@
 //! files are written the program goes on, which does not take long.
 
 use crate::failure::Failure;
+use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Work that goes on for longer after the first Ctrl-C deserves a word.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Whether the user pressed Ctrl-C since this was made.
 pub(crate) struct Interrupt {
@@ -22,6 +27,9 @@ impl Interrupt {
                 eprintln!("{}", Failure::Interrupted);
                 std::process::exit(i32::from(Failure::Interrupted.code()));
             }
+            if !is_second && std::io::stderr().is_terminal() {
+                std::thread::spawn(advise);
+            }
         });
         interrupt
     }
@@ -39,6 +47,12 @@ impl Interrupt {
         self.is_writing.store(false, Ordering::SeqCst);
         outcome
     }
+}
+
+/// Says what to do if the program is still there after a while.
+fn advise() {
+    std::thread::sleep(PATIENCE);
+    eprintln!("\nstopping at the next chance; press Ctrl-C again to stop at once");
 }
 
 #[cfg(test)]

@@ -25,7 +25,11 @@ fn pages() -> Vec<(String, Man)> {
     program.build();
     let commands = std::iter::once(&program)
         .chain(program.get_subcommands().filter(|command| command.get_name() != "help"));
-    commands.map(|command| (name(command), Man::new(command.clone()))).collect()
+    let page = |command: &Command| {
+        let source = concat!("fieldstone ", env!("CARGO_PKG_VERSION"));
+        Man::new(command.clone()).source(source).manual("Fieldstone")
+    };
+    commands.map(|command| (name(command), page(command))).collect()
 }
 
 /// `fieldstone-render` for `fieldstone render`.

@@ -38,6 +38,20 @@ fn wait_until_it_listens(child: &Child) {
     }
 }
 
+/// Waits until the program has worked for so long, in hundredths of a second, that it must be drawing.
+fn wait_until_it_draws(child: &Child) {
+    wait_until_it_listens(child);
+    loop {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+        // The 14th field is the time in the program; the second, in parentheses, is its name.
+        let (_, rest) = stat.rsplit_once(')').unwrap();
+        if rest.split_whitespace().nth(11).unwrap().parse::<u32>().unwrap() >= 30 {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 fn press_ctrl_c(child: &Child) {
     kill(Pid::from_raw(child.id().try_into().unwrap()), Signal::SIGINT).unwrap();
 }
@@ -46,9 +60,7 @@ fn press_ctrl_c(child: &Child) {
 fn an_interrupt_leaves_nothing_behind() {
     let place = Place::new();
     let child = place.command(&SLOW).spawn().unwrap();
-    wait_until_it_listens(&child);
-    // Into the work.
-    std::thread::sleep(Duration::from_millis(300));
+    wait_until_it_draws(&child);
     press_ctrl_c(&child);
     let output = child.wait_with_output().unwrap();
     let errors = String::from_utf8(output.stderr).unwrap();
@@ -69,13 +81,12 @@ fn an_interrupt_keeps_what_was_there() {
     assert_eq!(std::fs::read_to_string(place.path("ball.png")).unwrap(), "old");
 }
 
-/// Starts the slow picture with a terminal for its errors, which can be read from the other end.
-fn start_on_a_terminal(place: &Place, more: &[&str]) -> (Child, File) {
+/// Starts the program with a terminal for its errors, which can be read from the other end.
+fn start_on_a_terminal(place: &Place, arguments: &[&str]) -> (Child, File) {
     let size = Winsize { ws_row: 24, ws_col: 80, ws_xpixel: 0, ws_ypixel: 0 };
     let terminal = openpty(&size, None).unwrap();
-    let arguments: Vec<&str> = SLOW.iter().chain(more).copied().collect();
     // The command is dropped here, and the program's end of the terminal with it.
-    let child = place.command(&arguments).stderr(terminal.slave).spawn().unwrap();
+    let child = place.command(arguments).stderr(terminal.slave).spawn().unwrap();
     (child, File::from(terminal.master))
 }
 
@@ -93,7 +104,7 @@ fn read_until(terminal: &mut File, text: &str) -> String {
 #[test]
 fn a_bar_on_a_terminal_shows_the_time_left_and_goes_away() {
     let place = Place::new();
-    let (mut child, mut terminal) = start_on_a_terminal(&place, &[]);
+    let (mut child, mut terminal) = start_on_a_terminal(&place, &SLOW);
     let shown = read_until(&mut terminal, " left");
     assert!(shown.contains(" %, "), "{shown:?}");
     press_ctrl_c(&child);
@@ -106,10 +117,27 @@ fn a_bar_on_a_terminal_shows_the_time_left_and_goes_away() {
 #[test]
 fn a_quiet_program_shows_no_bar() {
     let place = Place::new();
-    let (mut child, mut terminal) = start_on_a_terminal(&place, &["--quiet"]);
-    wait_until_it_listens(&child);
-    std::thread::sleep(Duration::from_millis(800));
+    let (mut child, mut terminal) = start_on_a_terminal(&place, &[SLOW.as_slice(), &["--quiet"]].concat());
+    wait_until_it_draws(&child);
+    // Longer than it takes for the bar to appear.
+    std::thread::sleep(Duration::from_millis(500));
     press_ctrl_c(&child);
     assert_eq!(read_until(&mut terminal, "\n"), "interrupted: nothing was written\r\n");
     assert_eq!(child.wait().unwrap().code(), Some(130));
+}
+
+#[test]
+fn a_second_interrupt_ends_what_does_not_stop() {
+    let place = Place::new();
+    // One tile of this takes hours.
+    let step = ["--step=0.000000001"];
+    let arguments: Vec<&str> =
+        SLOW.iter().filter(|a| !a.starts_with("--step")).chain(&step).copied().collect();
+    let (mut child, mut terminal) = start_on_a_terminal(&place, &arguments);
+    wait_until_it_draws(&child);
+    press_ctrl_c(&child);
+    assert!(read_until(&mut terminal, "again").contains("press Ctrl-C again"));
+    press_ctrl_c(&child);
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(place.files(), Vec::<String>::new());
 }
