@@ -122,7 +122,8 @@ fn a_quiet_program_shows_no_bar() {
     // Longer than it takes for the bar to appear.
     std::thread::sleep(Duration::from_millis(500));
     press_ctrl_c(&child);
-    assert_eq!(read_until(&mut terminal, "\n"), "interrupted: nothing was written\r\n");
+    let shown = read_until(&mut terminal, "written");
+    assert!(shown.contains("interrupted") && !shown.contains('%'), "{shown:?}");
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }
 
