@@ -5,23 +5,22 @@ use fieldstone::glam::DVec3;
 use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, LoopError, formula, load, settle_loops};
 use std::path::PathBuf;
 
+use crate::examples;
 use crate::failure::Failure;
+
+/// The headings of the options in the help.
+const VIEW: &str = "View";
+const METHOD: &str = "Method";
+const OUTPUT: &str = "Output";
 
 /// See solids that are defined by functions.
 #[derive(Debug, Parser)]
 #[command(
+    name = "fieldstone",
     version,
     about,
     max_term_width = 100,
-    after_help = "\
-Examples:
-  fieldstone render model.hf -o model.png
-  fieldstone render -e 'x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 11.8' -o tangle.png --size 800x600
-  echo '0 0 0' | fieldstone eval -e 'x^2 + y^2 + z^2 - 1'
-  fieldstone check model.hf
-
-Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm) and formulas (any other file, or -e;
-f < 0 inside, z up)."
+    after_help = examples::PROGRAM
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -32,15 +31,25 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Draw a model.
+    #[command(after_help = examples::RENDER)]
     Render(Box<RenderArguments>),
     /// Print the values of a model at the points on standard input.
+    #[command(after_help = examples::EVAL)]
     Eval(EvalArguments),
     /// Say what is in a model, and what is strange about it.
-    Check(EvalArguments),
+    #[command(after_help = examples::CHECK)]
+    Check(CheckArguments),
+    /// Print the completions of a shell, for its start-up file.
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(CompletionsArguments),
+    /// Write the manual pages into a folder.
+    #[command(after_help = examples::MAN)]
+    Man(ManArguments),
 }
 
 /// Which model.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Model")]
 pub(crate) struct ModelArguments {
     /// The file of the model.
     #[arg(value_name = "MODEL", required_unless_present = "expression")]
@@ -106,11 +115,36 @@ impl ModelArguments {
     }
 }
 
-/// The arguments of `eval` and `check`.
+/// The arguments of `eval`.
 #[derive(Debug, Args)]
 pub(crate) struct EvalArguments {
     #[command(flatten)]
     pub(crate) model: ModelArguments,
+}
+
+/// The arguments of `check`.
+#[derive(Debug, Args)]
+pub(crate) struct CheckArguments {
+    #[command(flatten)]
+    pub(crate) model: ModelArguments,
+    /// Print JSON, for other programs; errors of the model too.
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) json: bool,
+}
+
+/// The arguments of `completions`.
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArguments {
+    /// The shell.
+    pub(crate) shell: clap_complete::Shell,
+}
+
+/// The arguments of `man`.
+#[derive(Debug, Args)]
+pub(crate) struct ManArguments {
+    /// The folder, which must be there.
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
 }
 
 /// The arguments of `render`.
@@ -119,55 +153,55 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) model: ModelArguments,
     /// The picture: .png for the eye, .exr for all layers in linear light.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, help_heading = OUTPUT, value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Width and height in pixels.
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, default_value = "512x512", value_parser = parse_size)]
+    #[arg(long, help_heading = VIEW, value_name = "WxH", allow_hyphen_values = true, default_value = "512x512", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
     /// Where the camera stands [default: in front, to the right and above, as near as fits].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
+    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
     pub(crate) eye: Option<DVec3>,
     /// What it looks at [default: the middle of the bounds].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
+    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
     pub(crate) target: Option<DVec3>,
     /// What is up in the picture [default: y for HyperFun, z otherwise].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
+    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
     pub(crate) up: Option<DVec3>,
     /// The angle from the lower to the upper edge [default: 30, or what fits from the given eye].
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, conflicts_with = "ortho")]
+    #[arg(long, help_heading = VIEW, value_name = "DEG", allow_hyphen_values = true, conflicts_with = "ortho")]
     pub(crate) fov: Option<f64>,
     /// A parallel view, so high from the lower to the upper edge.
-    #[arg(long, value_name = "H", allow_hyphen_values = true)]
+    #[arg(long, help_heading = VIEW, value_name = "H", allow_hyphen_values = true)]
     pub(crate) ortho: Option<f64>,
     /// Where the solid is; it is cut off there [default: found].
-    #[arg(long, value_name = "x0,y0,z0,x1,y1,z1", allow_hyphen_values = true, value_parser = parse_bounds)]
+    #[arg(long, help_heading = VIEW, value_name = "x0,y0,z0,x1,y1,z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     pub(crate) bounds: Option<[f64; 6]>,
     /// Look into the solid where the bounds cut it, instead of closing it there.
-    #[arg(long)]
+    #[arg(long, help_heading = VIEW)]
     pub(crate) open: bool,
     /// How surfaces are found.
-    #[arg(long, value_enum, default_value_t = MethodName::Affine)]
+    #[arg(long, help_heading = METHOD, value_enum, default_value_t = MethodName::Affine)]
     pub(crate) method: MethodName,
     /// The step of `--method sampled`, relative to the longest side of the bounds.
-    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    #[arg(long, help_heading = METHOD, value_name = "S", allow_hyphen_values = true)]
     pub(crate) step: Option<f64>,
     /// How closely surfaces are located, relative to the longest side of the bounds.
-    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    #[arg(long, help_heading = METHOD, value_name = "T", allow_hyphen_values = true)]
     pub(crate) tolerance: Option<f64>,
     /// Let `--method interval` accept spans this short without proof, relative to the longest side.
-    #[arg(long, value_name = "E", allow_hyphen_values = true)]
+    #[arg(long, help_heading = METHOD, value_name = "E", allow_hyphen_values = true)]
     pub(crate) accept_epsilon: Option<f64>,
     /// Samples of a pixel where there are edges in it.
-    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = 4)]
+    #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true, default_value_t = 4)]
     pub(crate) samples: u32,
     /// How many threads [default: one for each core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, help_heading = METHOD, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
     /// Write what was spent, and what the picture rests on, as JSON.
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(long, help_heading = OUTPUT, value_name = "FILE.json")]
     pub(crate) stats: Option<PathBuf>,
     /// Print nothing but errors.
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub(crate) quiet: bool,
 }
 
@@ -227,6 +261,17 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_option_has_a_heading() {
+        let mut command = Arguments::command();
+        command.build();
+        for sub in ["render", "eval", "check"].map(|name| command.find_subcommand(name).unwrap()) {
+            for option in sub.get_arguments().filter(|a| !a.is_positional() && a.get_id() != "help") {
+                assert!(option.get_help_heading().is_some(), "{}: {}", sub.get_name(), option.get_id());
+            }
+        }
     }
 
     #[test]

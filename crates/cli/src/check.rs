@@ -1,20 +1,40 @@
 //! `fieldstone check`.
 
-use crate::arguments::EvalArguments;
+mod json;
+
+use crate::arguments::CheckArguments;
 use crate::failure::Failure;
 use fieldstone::{
     Bindings, Extent, FileSign, FoundBounds, Input, Loaded, Object, UpAxis, Warning, solid_bounds,
 };
+use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
 /// Prints what is in a model.
-pub(crate) fn run(arguments: &EvalArguments) -> Result<(), Failure> {
-    let loaded = arguments.model.load()?;
-    let bindings = arguments.model.inputs().bindings(&loaded.model)?;
+pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
+    let loaded = arguments.model.load().inspect_err(|failure| {
+        if let (true, Failure::Model(diagnostics)) = (arguments.json, failure) {
+            // The errors go to standard error too, and decide how the program ends.
+            let _ = print_json(&json::Errors::new(diagnostics));
+        }
+    })?;
+    let inputs = arguments.model.inputs();
+    let bindings = inputs.bindings(&loaded.model)?;
     let found = solid_bounds(&loaded.model.field, &bindings);
-    let report = report(&loaded, &bindings, &found);
-    write!(std::io::stdout(), "{report}").map_err(|e| Failure::of_stream("standard output", &e))
+    if arguments.json {
+        return print_json(&json::Report::new(&loaded, &bindings, &inputs, &found));
+    }
+    print(&report(&loaded, &bindings, &found))
+}
+
+fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| Failure::Material(e.to_string()))?;
+    print(&(text + "\n"))
+}
+
+fn print(text: &str) -> Result<(), Failure> {
+    write!(std::io::stdout(), "{text}").map_err(|e| Failure::of_stream("standard output", &e))
 }
 
 fn report(loaded: &Loaded, bindings: &Bindings, found: &FoundBounds) -> String {

@@ -10,8 +10,12 @@ pub(crate) enum Failure {
     Usage(String),
     /// A model or a file is not as it must be.
     Material(String),
+    /// The text of a model cannot be read.
+    Model(Box<Diagnostics>),
     /// Nobody reads the output any more.
     ClosedPipe,
+    /// The user asked it to, before there was a file.
+    Interrupted,
 }
 
 impl Failure {
@@ -19,8 +23,10 @@ impl Failure {
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::ClosedPipe => 0,
-            Self::Material(_) => 1,
+            Self::Material(_) | Self::Model(_) => 1,
             Self::Usage(_) => 2,
+            // What shells say of a program that SIGINT ended.
+            Self::Interrupted => 130,
         }
     }
 
@@ -37,11 +43,12 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Usage(message) | Self::Material(message) => {
-                // Diagnostics of models begin with that word themselves.
-                let prefix = if message.starts_with("error") { "" } else { "error: " };
-                write!(f, "{prefix}{message}")
+                write!(f, "error: {message}")
             }
+            // Diagnostics begin with the word "error" themselves.
+            Self::Model(diagnostics) => diagnostics.fmt(f),
             Self::ClosedPipe => f.write_str("the output was closed"),
+            Self::Interrupted => f.write_str("interrupted: nothing was written"),
         }
     }
 }
@@ -58,5 +65,29 @@ macro_rules! failures {
 
 failures! {
     Usage: InputError, BoundsError, RequestError;
-    Material: Diagnostics, LoadError, OutputError, RenderError;
+    Material: OutputError;
+}
+
+impl From<RenderError> for Failure {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Cancelled => Self::Interrupted,
+            RenderError::Threads { .. } => Self::Material(error.to_string()),
+        }
+    }
+}
+
+impl From<Diagnostics> for Failure {
+    fn from(diagnostics: Diagnostics) -> Self {
+        Self::Model(Box::new(diagnostics))
+    }
+}
+
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::Model(diagnostics) => diagnostics.into(),
+            other => Self::Material(other.to_string()),
+        }
+    }
 }

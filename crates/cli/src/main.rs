@@ -3,8 +3,13 @@
 
 mod arguments;
 mod check;
+mod completions;
 mod eval;
+mod examples;
 mod failure;
+mod interrupt;
+mod man;
+mod progress;
 mod render;
 
 use arguments::{Arguments, Command};
@@ -19,6 +24,8 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments, start),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

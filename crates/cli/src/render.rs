@@ -2,6 +2,8 @@
 
 use crate::arguments::{MethodName, RenderArguments};
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::progress::Progress;
 use fieldstone::glam::DVec3;
 use fieldstone::{
     Bounds, Method, Projection, RenderOptions, RenderRequest, Rendered, Resolved, Settings, View,
@@ -21,6 +23,7 @@ enum Kind {
 
 /// Draws a model and writes the picture.
 pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Failure> {
+    let interrupt = Interrupt::listen();
     let kind = output_kind(&arguments.output)?;
     for path in std::iter::once(&arguments.output).chain(&arguments.stats) {
         check_writable(path)?;
@@ -32,24 +35,41 @@ pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Fai
         loaded.rendered_warnings().for_each(|warning| eprintln!("{warning}"));
         resolved.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
-    let options = RenderOptions { threads: arguments.threads.map(usize::from), progress: None };
-    let rendered = fieldstone::render(&resolved.scene, &options)?;
-    match kind {
-        Kind::Png => write_png(&rendered.film, &resolved.scene.lighting().background, &arguments.output)?,
-        Kind::Exr => write_exr(&rendered.film, &arguments.output)?,
-    }
+    let rendered = draw(arguments, &resolved, &interrupt)?;
     let summary = Summary::new(&resolved, &rendered, start);
-    if let Some(path) = &arguments.stats {
-        write_beside(path, |file| {
-            serde_json::to_writer_pretty(&mut *file, &summary)?;
-            writeln!(file)
-        })?;
-    }
+    interrupt.writing(|| {
+        match kind {
+            Kind::Png => write_png(&rendered.film, &resolved.scene.lighting().background, &arguments.output)?,
+            Kind::Exr => write_exr(&rendered.film, &arguments.output)?,
+        }
+        if let Some(path) = &arguments.stats {
+            write_beside(path, |file| {
+                serde_json::to_writer_pretty(&mut *file, &summary)?;
+                writeln!(file)
+            })?;
+        }
+        Ok(())
+    })?;
     if !arguments.quiet {
         let line = summary.line();
         writeln!(std::io::stdout(), "{line}").map_err(|e| Failure::of_stream("standard output", &e))?;
     }
     Ok(())
+}
+
+fn draw(
+    arguments: &RenderArguments,
+    resolved: &Resolved,
+    interrupt: &Interrupt,
+) -> Result<Rendered, Failure> {
+    let progress = Progress::new(!arguments.quiet);
+    let report = |share| progress.report(share);
+    let options = RenderOptions {
+        threads: arguments.threads.map(usize::from),
+        progress: Some(&report),
+        cancel: Some(interrupt.flag()),
+    };
+    Ok(fieldstone::render(&resolved.scene, &options)?)
 }
 
 fn output_kind(path: &Path) -> Result<Kind, Failure> {

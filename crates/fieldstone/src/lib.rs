@@ -60,7 +60,8 @@ pub use request::{RenderRequest, RequestError, Resolved, Warning};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input};
 pub use fieldstone_lang::{
-    Diagnostic, Diagnostics, Dialect, FileSign, Model, Object, Parameter, Severity, Source, UpAxis,
+    Diagnostic, Diagnostics, Dialect, FileSign, Model, Object, Parameter, Severity, Signature, Source,
+    UpAxis, hyperfun_functions,
 };
 pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
 pub use fieldstone_scene::{

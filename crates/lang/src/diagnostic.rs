@@ -21,6 +21,14 @@ impl Source {
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         Self { name: name.into(), text: text.into() }
     }
+
+    /// The line and the column of a byte, both counted from 1; columns count characters. A byte inside a character or
+    /// behind the end stands for the character's start or the end.
+    pub fn line_and_column(&self, byte: usize) -> (usize, usize) {
+        let before = &self.text[..floor_char_boundary(&self.text, byte)];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
 }
 
 /// How grave a diagnostic is.
@@ -116,3 +124,26 @@ impl fmt::Display for Diagnostics {
 }
 
 impl std::error::Error for Diagnostics {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_columns_count_from_one() {
+        let source = Source::new("test", "a\nπb\n");
+        let places =
+            [(0, (1, 1)), (1, (1, 2)), (2, (2, 1)), (3, (2, 1)), (4, (2, 2)), (6, (3, 1)), (99, (3, 1))];
+        for (byte, place) in places {
+            assert_eq!(source.line_and_column(byte), place, "byte {byte}");
+        }
+    }
+
+    #[test]
+    fn lines_and_columns_are_those_of_the_rendered_message() {
+        let source = Source::new("test", "first\nsecond");
+        let (line, column) = source.line_and_column(9);
+        let message = Diagnostic::error(9..10, "wrong", "here").render(&source);
+        assert!(message.contains(&format!("test:{line}:{column}")), "{message}");
+    }
+}

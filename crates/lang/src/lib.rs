@@ -12,7 +12,7 @@ mod vm;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity, Source};
 pub use formula::parse_formula;
-pub use hyperfun::{HyperFunOptions, parse_hyperfun};
+pub use hyperfun::{HyperFunOptions, Signature, hyperfun_functions, parse_hyperfun};
 pub use model::{FileSign, Model, Object, Parameter, UpAxis};
 pub use vm::parse_vm;
 

@@ -6,7 +6,7 @@ use fieldstone_scene::{Film, Pixel, Scene};
 use fieldstone_trace::Certificate;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// The side of a tile, in pixels: small enough for programs to become short, large enough to fill the lanes.
 const TILE: u32 = 16;
@@ -21,6 +21,14 @@ pub struct RenderOptions<'a> {
     pub threads: Option<usize>,
     /// Is told how much is done, from 0 to 1, from any thread.
     pub progress: Option<&'a (dyn Fn(f64) + Sync)>,
+    /// Stops the work soon after it becomes true: at the ends of the tiles that are being drawn.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+impl RenderOptions<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+    }
 }
 
 /// What was spent, and what the picture rests on.
@@ -49,17 +57,26 @@ pub struct Rendered {
     pub stats: Stats,
 }
 
-/// Why a picture could not be drawn.
-#[derive(Debug)]
-pub struct RenderError {
-    /// The number of threads that was asked for.
-    pub threads: usize,
-    reason: String,
+/// Why there is no picture.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum RenderError {
+    /// The threads could not be started.
+    Threads {
+        /// How many were asked for; 0: one for each core.
+        threads: usize,
+        /// What the system says.
+        reason: String,
+    },
+    /// [`RenderOptions::cancel`] became true.
+    Cancelled,
 }
 
 impl std::fmt::Display for RenderError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "could not start {} threads: {}", self.threads, self.reason)
+        match self {
+            Self::Threads { threads, reason } => write!(f, "could not start {threads} threads: {reason}"),
+            Self::Cancelled => f.write_str("the picture was not finished: it was cancelled"),
+        }
     }
 }
 
@@ -70,14 +87,14 @@ impl std::error::Error for RenderError {}
 /// The picture does not depend on the number of threads.
 ///
 /// # Errors
-/// The threads could not be started.
+/// The threads could not be started; the work was cancelled.
 pub fn render(scene: &Scene, options: &RenderOptions<'_>) -> Result<Rendered, RenderError> {
     let threads = options.threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
-        .map_err(|e| RenderError { threads, reason: e.to_string() })?;
-    Ok(pool.install(|| draw(scene, options)))
+        .map_err(|e| RenderError::Threads { threads, reason: e.to_string() })?;
+    pool.install(|| draw(scene, options)).ok_or(RenderError::Cancelled)
 }
 
 /// A rectangle of pixels.
@@ -122,7 +139,8 @@ struct Centre {
     colour: DVec3,
 }
 
-fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Rendered {
+/// The picture; `None` if the work was cancelled.
+fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
     let prepared = Prepared::new(scene);
     let (width, height) = scene.settings().size;
     let passes = if scene.settings().samples > 1 { 2 } else { 1 };
@@ -130,7 +148,7 @@ fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Rendered {
     let mut stats = Stats::default();
     let mut centres =
         vec![Centre { pixel: Pixel::MISS, colour: DVec3::ZERO }; width as usize * height as usize];
-    let first = painter.pass(&mut stats, |asker, tile| look_through_centres(&prepared, asker, tile));
+    let first = painter.pass(&mut stats, |asker, tile| look_through_centres(&prepared, asker, tile))?;
     for (tile, list) in painter.tiles.iter().zip(first) {
         for ((x, y), centre) in tile.pixels().zip(list) {
             stats.count(&centre.pixel);
@@ -142,10 +160,11 @@ fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Rendered {
         film.set(i as u32 % width, i as u32 / width, &centre.pixel);
     }
     if passes == 2 {
-        let second = painter.pass(&mut stats, |asker, tile| refine_edges(&prepared, asker, tile, &centres));
+        let second =
+            painter.pass(&mut stats, |asker, tile| refine_edges(&prepared, asker, tile, &centres))?;
         second.iter().flatten().for_each(|(x, y, pixel)| film.set(*x, *y, pixel));
     }
-    Rendered { film, stats }
+    Some(Rendered { film, stats })
 }
 
 /// The tiles of a picture, and how much of the work on them is done.
@@ -158,23 +177,31 @@ struct Painter<'o> {
 }
 
 impl Painter<'_> {
-    /// Works on all tiles; the results come in the order of the tiles, whoever is done first.
-    fn pass<T: Send>(&self, stats: &mut Stats, work: impl Fn(&mut Asker, Tile) -> T + Sync) -> Vec<T> {
-        let results: Vec<(T, Spent)> = self
+    /// Works on all tiles; the results come in the order of the tiles, whoever is done first. `None` if the work was
+    /// cancelled.
+    fn pass<T: Send>(
+        &self,
+        stats: &mut Stats,
+        work: impl Fn(&mut Asker, Tile) -> T + Sync,
+    ) -> Option<Vec<T>> {
+        let results: Option<Vec<(T, Spent)>> = self
             .tiles
             .par_iter()
             .map_init(Asker::default, |asker, &tile| {
+                if self.options.is_cancelled() {
+                    return None;
+                }
                 let spent = Spent::start(asker);
                 let result = work(asker, tile);
                 self.report();
-                (result, spent.end(asker))
+                Some((result, spent.end(asker)))
             })
             .collect();
         let unpack = |(result, spent): (T, Spent)| {
             spent.add_to(stats);
             result
         };
-        results.into_iter().map(unpack).collect()
+        Some(results?.into_iter().map(unpack).collect())
     }
 
     fn report(&self) {

@@ -1,12 +1,13 @@
 //! Pictures against closed forms: depth, normals, light and shadow of balls and planes.
 
 use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
-use fieldstone_render::{RenderOptions, Rendered, render};
+use fieldstone_render::{RenderError, RenderOptions, Rendered, render};
 use fieldstone_scene::{
     Background, Bounds, Camera, ColourSource, Film, Light, Lighting, Material, Method, Projection, Scene,
     Settings, Solid, linear_to_srgb,
 };
 use glam::DVec3;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 const SIZE: u32 = 96;
 
@@ -295,12 +296,30 @@ fn the_number_of_threads_changes_nothing() {
     let camera = perspective(DVec3::new(1.0, -4.0, 2.0));
     let settings = Settings { size: (SIZE, SIZE), ..Settings::default() };
     let scene = Scene::new(vec![solid], camera, Lighting::for_camera(&camera), settings).expect("sound");
-    let with =
-        |threads| render(&scene, &RenderOptions { threads: Some(threads), progress: None }).expect("threads");
+    let with = |threads| {
+        render(&scene, &RenderOptions { threads: Some(threads), ..RenderOptions::default() })
+            .expect("threads")
+    };
     let (one, three) = (with(1), with(3));
     assert!(one.film == three.film && one.stats == three.stats);
     // Edges are covered in part, and there only.
     let alphas: Vec<f32> = pixels(&one.film).map(|(.., p)| p.alpha).collect();
     let partly = alphas.iter().filter(|a| **a > 0.0 && **a < 1.0).count();
     assert!((50..500).contains(&partly), "{partly} pixels are covered in part");
+}
+
+#[test]
+fn work_that_is_cancelled_stops() {
+    let camera = perspective(DVec3::new(0.0, -5.0, 0.0));
+    let solids = vec![Solid::new(unit_ball(), Bindings::new(), cube(1.5))];
+    let (scene, _) = draw(solids, camera, dark(), Method::Affine);
+    let cancel = AtomicBool::new(false);
+    let most = AtomicU64::new(0);
+    let progress = |share: f64| {
+        most.fetch_max((share * 1000.0) as u64, Ordering::Relaxed);
+        cancel.store(true, Ordering::Relaxed);
+    };
+    let options = RenderOptions { threads: Some(1), progress: Some(&progress), cancel: Some(&cancel) };
+    assert_eq!(render(&scene, &options).map(|_| ()), Err(RenderError::Cancelled));
+    assert!(most.into_inner() < 500, "only the tiles at work are finished");
 }

@@ -1,6 +1,9 @@
 //! The program from outside: what goes in, what comes out.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
+mod check;
 mod eval;
+mod interrupt;
+mod manual;
 mod place;
 mod render;

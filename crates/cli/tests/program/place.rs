@@ -38,15 +38,16 @@ impl Place {
         names
     }
 
+    /// The program in this folder, with pipes for its streams.
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(Path::new(env!("CARGO_BIN_EXE_fieldstone")));
+        command.args(arguments).current_dir(self.folder.path());
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
     pub(crate) fn run(&self, arguments: &[&str], input: &str) -> Run {
-        let mut child = Command::new(Path::new(env!("CARGO_BIN_EXE_fieldstone")))
-            .args(arguments)
-            .current_dir(self.folder.path())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = self.command(arguments).spawn().unwrap();
         let mut stdin = child.stdin.take().unwrap();
         let text = input.to_owned();
         // The program may stop before it has read everything.

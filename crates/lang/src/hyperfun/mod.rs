@@ -22,8 +22,11 @@ mod loops;
 mod lower;
 mod parser;
 mod report;
+mod signature;
 mod state;
 mod strict;
+
+pub use signature::{Signature, hyperfun_functions};
 
 use crate::Dialect;
 use crate::diagnostic::{Diagnostic, Diagnostics, Source};

@@ -1,0 +1,159 @@
+//! The examples of the help. A test reads every line of them as the program would.
+
+/// Below the help of the program itself.
+pub(crate) const PROGRAM: &str = "\
+Examples:
+  fieldstone render model.hf -o model.png
+  fieldstone render -e 'x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 11.8' -o tangle.png --size 800x600
+  fieldstone eval -e 'x^2 + y^2 + z^2 - 1' < points.txt
+  fieldstone check model.hf
+
+Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm) and formulas (any other file, or -e;
+f < 0 inside, z up). `fieldstone COMMAND --help` shows more examples.";
+
+/// `render`.
+pub(crate) const RENDER: &str = "\
+Examples:
+  A HyperFun file, in a view that fits it; then from where you like:
+    fieldstone render model.hf -o model.png
+    fieldstone render model.hf -o side.png --eye 14,20,24 --target 0,1,0 --fov 25
+
+  A formula, negative inside, with a parameter of its own:
+    fieldstone render -e 'r = 0.2; (1 - sqrt(x^2 + y^2))^2 + z^2 - r^2' -o ring.png --param r=0.4
+
+  A solid without end: say where to cut it; --open looks inside:
+    fieldstone render -e 'sin(x) + sin(y) + sin(z)' -o waves.png --bounds=-6,-6,-6,6,6,6 --open
+
+  One object of a file, its first parameter, and a fourth coordinate:
+    fieldstone render model.hf -o part.png --object wheel --param a[1]=2 --coord 4=0.5
+
+  All layers (depth, normals, certificates) and the statistics of a large picture:
+    fieldstone render model.hf -o model.exr --size 1920x1080 --samples 9 --stats stats.json";
+
+/// `eval`.
+pub(crate) const EVAL: &str = "\
+Examples:
+  Points come from standard input, one on a line; values go to standard output, in the sign of the file:
+    fieldstone eval model.hf < points.txt
+    echo '0 0 0.5' | fieldstone eval -e 'x^2 + y^2 + z^2 - 1'
+
+  A slice: the fixed coordinate is left out of the points:
+    fieldstone eval model.hf --coord 3=0.25 < plane.txt
+
+  What the C interpreter would say, with a parameter:
+    fieldstone eval model.hf --dialect strict --param a[1]=2 < points.txt
+
+A line of the output has the value, then the attributes s[1], s[2], … if the object declares them, with tabs
+between; `undefined` stands where there is no value.";
+
+/// `check`.
+pub(crate) const CHECK: &str = "\
+Examples:
+  Objects, parameters, bounds and warnings:
+    fieldstone check model.hf
+    fieldstone check -e 'r = 2; x^2 + y^2 + z^2 - r^2' --param r=3
+
+  Another object of the file:
+    fieldstone check model.hf --object wheel
+
+  For other programs (an editor, a script); docs/check-json.md describes every field:
+    fieldstone check model.hf --json
+
+The exit code is 0 if the model can be read, with or without warnings, and 1 if not.";
+
+/// `completions`.
+pub(crate) const COMPLETIONS: &str = "\
+Examples:
+    fieldstone completions bash > ~/.local/share/bash-completion/completions/fieldstone
+    fieldstone completions zsh > ~/.zfunc/_fieldstone
+    fieldstone completions fish > ~/.config/fish/completions/fieldstone.fish";
+
+/// `man`.
+pub(crate) const MAN: &str = "\
+Examples:
+    fieldstone man ~/.local/share/man/man1
+    man fieldstone-render";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arguments::Arguments;
+    use clap::Parser;
+
+    /// The words of a line as a shell sees them, up to a redirection, with single quotes only.
+    fn words(line: &str) -> Vec<String> {
+        let mut words = vec![String::new()];
+        for (i, part) in line.split('\'').enumerate() {
+            if i % 2 == 1 {
+                words.last_mut().expect("there is one").push_str(part);
+                continue;
+            }
+            for (k, word) in part.split(' ').enumerate() {
+                if k > 0 {
+                    words.push(String::new());
+                }
+                words.last_mut().expect("there is one").push_str(word);
+            }
+        }
+        words.retain(|word| !word.is_empty());
+        let end = words.iter().position(|word| word == "<" || word == ">").unwrap_or(words.len());
+        words.truncate(end);
+        words
+    }
+
+    fn commands() -> impl Iterator<Item = &'static str> {
+        let texts = [PROGRAM, RENDER, EVAL, CHECK, COMPLETIONS, MAN];
+        let lines = texts.into_iter().flat_map(str::lines).map(str::trim);
+        lines.filter_map(|line| match line.split_once("| ") {
+            Some((_, piped)) => Some(piped),
+            None => line.starts_with("fieldstone ").then_some(line),
+        })
+    }
+
+    #[test]
+    fn every_example_is_a_command_line() {
+        let mut count = 0;
+        for command in commands() {
+            if let Err(error) = Arguments::try_parse_from(words(command)) {
+                panic!("{command}\n{error}");
+            }
+            count += 1;
+        }
+        assert!(count > 15, "only {count} examples found");
+    }
+
+    /// The commands of a document: lines of code that begin with the program, and those between backquotes.
+    fn commands_of(text: &str) -> Vec<&str> {
+        let indented = text.lines().filter_map(|line| line.strip_prefix("    "));
+        let quoted = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
+        let commands = indented.chain(quoted).filter(|command| command.starts_with("fieldstone "));
+        let commands = commands.map(|command| command.split(" #").next().unwrap_or(command));
+        // `fieldstone eval` alone is a name.
+        commands.filter(|command| command.split_whitespace().count() > 2).collect()
+    }
+
+    #[test]
+    fn every_command_in_the_documents_is_one() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut count = 0;
+        for document in ["README.md", "gallery/README.md", "docs/hyperfun.md", "docs/hyperfun/tutorial.md"] {
+            let text = std::fs::read_to_string(root.join(document)).unwrap();
+            for command in commands_of(&text) {
+                count += 1;
+                match Arguments::try_parse_from(words(command)) {
+                    Err(error) if error.exit_code() != 0 => panic!("{document}: {command}\n{error}"),
+                    // `--help` is an error to the parser, with the exit code 0.
+                    _ => {}
+                }
+            }
+        }
+        assert!(count > 30, "only {count} commands found");
+    }
+
+    #[test]
+    fn a_wrong_example_would_be_noticed() {
+        assert_eq!(words("a -e 'x + y' < points"), ["a", "-e", "x + y"]);
+        assert!(Arguments::try_parse_from(words("fieldstone render model.hf --no-such -o a.png")).is_err());
+        assert!(Arguments::try_parse_from(words("fieldstone render model.hf -o a.png --size 800")).is_err());
+    }
+}
