@@ -36,8 +36,10 @@ pub(crate) struct Surface {
     pub(crate) before: DVec3,
     /// A place certainly behind it.
     pub(crate) behind: DVec3,
-    /// The normal of a cap, where a face of the bounds cuts the solid.
+    /// The normal of a cap, where the bounds cut the solid.
     cap: Option<DVec3>,
+    /// Whether the field touches 0 there, so that it has no gradient.
+    touching: bool,
 }
 
 /// The answer to a surface query.
@@ -111,7 +113,7 @@ impl<'s> Prepared<'s> {
             let of_part: Vec<usize> = (0..hits.len()).filter(|&i| hits[i].0.part == part).collect();
             for block in of_part.chunks(LANES) {
                 for (lane, &i) in block.iter().enumerate() {
-                    let point = hits[i].0.middle();
+                    let point = hits[i].0.gradient_place();
                     for axis in 0..3 {
                         asker.gradients.input(axis, 0)[lane] = point[axis];
                         for direction in 0..3 {
@@ -175,6 +177,11 @@ impl Surface {
     fn middle(&self) -> DVec3 {
         0.5 * (self.before + self.behind)
     }
+
+    /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
+    fn gradient_place(&self) -> DVec3 {
+        if self.touching { self.before } else { self.middle() }
+    }
 }
 
 impl<'s> PreparedSolid<'s> {
@@ -188,8 +195,7 @@ impl<'s> PreparedSolid<'s> {
 
     /// The surfaces that rays meet; any that lies before their distances, if there are distances.
     fn hits(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: Option<&[f64]>) -> Vec<Answer> {
-        let spans: Vec<Option<RaySpan>> =
-            rays.iter().map(|&(o, d)| self.solid.bounds().ray_span(o, d)).collect();
+        let spans: Vec<Option<RaySpan>> = rays.iter().map(|&(o, d)| self.solid.ray_span(o, d)).collect();
         let to_trace: Vec<Ray> = rays
             .iter()
             .zip(&spans)
@@ -219,7 +225,7 @@ impl<'s> PreparedSolid<'s> {
             // A hair outside of the face, as far as brackets are wide.
             let hair = self.settings.tolerance * self.settings.size;
             let (before, behind) = (at(t) + side * hair * normal, at(t) - side * hair * normal);
-            Surface { part: 0, t, before, behind, cap: Some(normal) }
+            Surface { part: 0, t, before, behind, cap: Some(normal), touching: false }
         };
         let surface = match (outcome.hit, span) {
             (_, Some(span)) if outcome.starts_inside && capped && span.enter > 0.0 => {
@@ -227,7 +233,8 @@ impl<'s> PreparedSolid<'s> {
             }
             (Some(hit), _) => {
                 let behind = at(hit.after + (hit.after - hit.before));
-                Some(Surface { part: 0, t: hit.t, before: at(hit.before), behind, cap: None })
+                let (before, touching) = (at(hit.before), hit.touching);
+                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, touching })
             }
             (None, Some(span)) if outcome.ends_inside && capped && ray.end >= span.exit => {
                 Some(cap(span.exit, span.exit_normal, -1.0))
@@ -261,7 +268,7 @@ impl<'s> PreparedSolid<'s> {
 
 fn trace_settings(scene: &Scene, solid: &Solid, black_box: bool) -> Settings {
     let size = solid.bounds().longest_side();
-    let mut settings = Settings::new(size);
+    let mut settings = Settings { surface: solid.is_surface(), ..Settings::new(size) };
     let method = match scene.settings().method {
         // Nothing can be proved of a black box.
         _ if black_box => Method::Sampled { step: None },

@@ -2,6 +2,7 @@
 //!
 //! A [`Scene`] is plain data about which nothing needs to be checked again:
 //! - there is at least one [`Solid`]; its [`Bounds`] are finite and have a positive extent along every axis;
+//! - a [`Ball`] that a solid is clipped to has a finite centre and a positive radius;
 //! - a solid that takes its colour from attributes has at least three of them;
 //! - the [`Camera`]'s axes are orthonormal, its field of view lies between 0 and π, its height is positive;
 //! - directions to [`Light`]s are unit vectors, colours are finite and not negative;
@@ -11,6 +12,7 @@
 //! Colours are linear RGB throughout; [`srgb_to_linear`] and [`linear_to_srgb`] stand at the border. Space is
 //! right-handed, angles are radians, and image coordinates run from the upper left corner. The result is a [`Film`].
 
+mod ball;
 mod bounds;
 mod camera;
 mod colour;
@@ -18,6 +20,7 @@ mod film;
 mod light;
 mod scene;
 
+pub use ball::{Ball, BallError};
 pub use bounds::{Bounds, BoundsError, RaySpan};
 pub use camera::{Camera, CameraError, Projection, Up, View};
 pub use colour::{Background, ColourSource, Material, MaterialError, Rgb, linear_to_srgb, srgb_to_linear};

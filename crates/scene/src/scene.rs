@@ -1,6 +1,7 @@
 //! The scene: solids, camera, light and settings.
 
-use crate::bounds::Bounds;
+use crate::ball::Ball;
+use crate::bounds::{Bounds, RaySpan};
 use crate::camera::Camera;
 use crate::colour::{ColourSource, Material, Rgb, srgb_to_linear};
 use crate::light::Lighting;
@@ -38,13 +39,15 @@ pub enum SceneError {
     },
 }
 
-/// A solid: where its field is negative, within its bounds.
+/// A solid: where its field is negative, within its bounds; or a surface without an inside: where its field is 0.
 #[derive(Clone, Debug)]
 pub struct Solid {
     field: Field,
     bindings: Bindings,
     bounds: Bounds,
+    clip_ball: Option<Ball>,
     capped: bool,
+    surface: bool,
     material: Material,
     colour_source: ColourSource,
 }
@@ -55,13 +58,33 @@ impl Solid {
     /// `bindings` hold the values of all inputs but the first three coordinates.
     pub fn new(field: Field, bindings: Bindings, bounds: Bounds) -> Self {
         let (material, colour_source) = (Material::default(), ColourSource::Material);
-        Self { field, bindings, bounds, capped: true, material, colour_source }
+        Self {
+            field,
+            bindings,
+            bounds,
+            clip_ball: None,
+            capped: true,
+            surface: false,
+            material,
+            colour_source,
+        }
     }
 
     /// Whether the bounds cut the solid (capped: what is inside ends there with a face) or a window on it (open: one
     /// looks into it where it is cut).
     pub fn with_caps(self, capped: bool) -> Self {
         Self { capped, ..self }
+    }
+
+    /// Whether it is a surface without an inside: the places where the field is 0, seen from both sides, those where it
+    /// does not change its sign too. Bounds end it and close nothing.
+    pub fn with_surface(self, surface: bool) -> Self {
+        Self { surface, ..self }
+    }
+
+    /// A ball outside of which nothing is drawn: like the bounds it cuts the solid, or is a window on it.
+    pub fn with_clip_ball(self, clip_ball: Option<Ball>) -> Self {
+        Self { clip_ball, ..self }
     }
 
     /// Another material.
@@ -96,9 +119,28 @@ impl Solid {
         &self.bounds
     }
 
-    /// Whether the bounds cut the solid; see [`with_caps`](Self::with_caps).
+    /// The ball that it is clipped to, if there is one.
+    pub fn clip_ball(&self) -> Option<&Ball> {
+        self.clip_ball.as_ref()
+    }
+
+    /// The part of the line origin + t·direction on which it may be seen, over all t: inside the bounds and the ball.
+    pub fn ray_span(&self, origin: DVec3, direction: DVec3) -> Option<RaySpan> {
+        let span = self.bounds.ray_span(origin, direction)?;
+        match &self.clip_ball {
+            None => Some(span),
+            Some(ball) => ball.ray_span(origin, direction)?.intersection(&span),
+        }
+    }
+
+    /// Whether the bounds cut the solid; see [`with_caps`](Self::with_caps). They never cut a surface.
     pub fn is_capped(&self) -> bool {
-        self.capped
+        self.capped && !self.surface
+    }
+
+    /// Whether it is a surface without an inside; see [`with_surface`](Self::with_surface).
+    pub fn is_surface(&self) -> bool {
+        self.surface
     }
 
     /// What its surface is made of.
