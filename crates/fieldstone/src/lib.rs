@@ -45,6 +45,7 @@
 //! ```
 
 mod evaluate;
+mod extent;
 mod inputs;
 mod load;
 mod output;
@@ -62,9 +63,9 @@ pub use fieldstone_lang::{
 };
 pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
 pub use fieldstone_scene::{
-    Background, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film, Light, LightError,
-    LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene, SceneError,
-    Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
+    Background, Ball, BallError, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film,
+    Light, LightError, LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene,
+    SceneError, Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_space::{DEFAULT_BOUNDS, Extent, FoundBounds, solid_bounds};
 pub use glam;
