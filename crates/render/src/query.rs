@@ -38,8 +38,8 @@ pub(crate) struct Surface {
     pub(crate) behind: DVec3,
     /// The normal of a cap, where the bounds cut the solid.
     cap: Option<DVec3>,
-    /// Whether the field touches 0 there, so that it has no gradient.
-    touching: bool,
+    /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
+    gradient_place: DVec3,
 }
 
 /// The answer to a surface query.
@@ -113,7 +113,7 @@ impl<'s> Prepared<'s> {
             let of_part: Vec<usize> = (0..hits.len()).filter(|&i| hits[i].0.part == part).collect();
             for block in of_part.chunks(LANES) {
                 for (lane, &i) in block.iter().enumerate() {
-                    let point = hits[i].0.gradient_place();
+                    let point = hits[i].0.gradient_place;
                     for axis in 0..3 {
                         asker.gradients.input(axis, 0)[lane] = point[axis];
                         for direction in 0..3 {
@@ -177,11 +177,6 @@ impl Surface {
     fn middle(&self) -> DVec3 {
         0.5 * (self.before + self.behind)
     }
-
-    /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
-    fn gradient_place(&self) -> DVec3 {
-        if self.touching { self.before } else { self.middle() }
-    }
 }
 
 impl<'s> PreparedSolid<'s> {
@@ -225,7 +220,7 @@ impl<'s> PreparedSolid<'s> {
             // A hair outside of the face, as far as brackets are wide.
             let hair = self.settings.tolerance * self.settings.size;
             let (before, behind) = (at(t) + side * hair * normal, at(t) - side * hair * normal);
-            Surface { part: 0, t, before, behind, cap: Some(normal), touching: false }
+            Surface { part: 0, t, before, behind, cap: Some(normal), gradient_place: at(t) }
         };
         let surface = match (outcome.hit, span) {
             (_, Some(span)) if outcome.starts_inside && capped && span.enter > 0.0 => {
@@ -233,8 +228,10 @@ impl<'s> PreparedSolid<'s> {
             }
             (Some(hit), _) => {
                 let behind = at(hit.after + (hit.after - hit.before));
-                let (before, touching) = (at(hit.before), hit.touching);
-                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, touching })
+                let before = at(hit.before);
+                let hair = self.settings.tolerance * self.settings.size;
+                let gradient_place = if hit.touching { at(hit.t - hair) } else { 0.5 * (before + behind) };
+                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, gradient_place })
             }
             (None, Some(span)) if outcome.ends_inside && capped && ray.end >= span.exit => {
                 Some(cap(span.exit, span.exit_normal, -1.0))

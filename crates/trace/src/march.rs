@@ -468,18 +468,24 @@ impl Lane {
         }
     }
 
+    /// Whether a value lies on the other side of the surface than the front. 0 itself counts as outside of a solid; a
+    /// surface has it on neither side.
+    fn is_across(&self, value: f64, settings: &Settings) -> bool {
+        (value < 0.0) != self.inside && !(settings.surface && value == 0.0)
+    }
+
     fn compare_ends(&mut self, near: (f64, f64), far: (f64, f64), settings: &Settings) {
         let undefined = near.1.is_nan() || far.1.is_nan();
         let (fa, fb) = (self.defined(near.1), self.defined(far.1));
         let (start, stop) = self.span();
-        if (fb < 0.0) != self.inside && (fa < 0.0) == self.inside {
+        if self.is_across(fb, settings) && !self.is_across(fa, settings) {
             if settings.any_hit {
                 return self.accept(near.0, far.0);
             }
             let solver = Solver::new((near.0, fa), (far.0, fb), settings.tolerance * settings.size);
             return self.continue_solve(solver, settings);
         }
-        if (fa < 0.0) != self.inside {
+        if self.is_across(fa, settings) {
             // The front itself lies on the surface, as far as values can tell.
             self.settle([(near.0, fa), (near.0, fa)], settings);
             return;

@@ -21,6 +21,8 @@ pub(crate) struct Minimiser {
     tolerance: f64,
     turns: u32,
     done: bool,
+    /// Whether an end of the bracket may be the lowest place.
+    ends_count: bool,
 }
 
 impl Minimiser {
@@ -38,6 +40,7 @@ impl Minimiser {
             tolerance,
             turns: 0,
             done: false,
+            ends_count: false,
         }
     }
 
@@ -50,14 +53,21 @@ impl Minimiser {
         minimiser
     }
 
+    /// Starts between two places, either of which may be the lowest.
+    pub(crate) fn with_ends(near: (f64, f64), far: (f64, f64), tolerance: f64) -> Self {
+        let done = near.1 == 0.0 || far.1 == 0.0;
+        Self { ends_count: true, done, ..Self::new(near, far, tolerance) }
+    }
+
     /// Where the next value is wanted; `None` at the end of the search.
     pub(crate) fn wants(&self) -> Option<f64> {
         (!self.done).then_some(self.trial)
     }
 
-    /// The best place with its value, if that is below the values at the ends.
+    /// The best place with its value, if that is below the values at the ends or those count.
     pub(crate) fn minimum(&self) -> Option<(f64, f64)> {
-        (self.turns > 0 && self.best[0].0 != self.best[1].0).then_some(self.best[0])
+        let is_between = self.turns > 0 && self.best[0].0 != self.best[1].0;
+        (is_between || self.ends_count).then_some(self.best[0])
     }
 
     /// Takes the value at the place that [`wants`](Self::wants) named.
@@ -65,12 +75,11 @@ impl Minimiser {
         self.turns += 1;
         let [x, w, v] = self.best;
         let u = (self.trial, value);
-        if self.turns == 1 {
-            if value >= x.1 {
-                self.done = true;
-                return;
-            }
+        if self.turns == 1 && value < x.1 {
             self.best = [u, w, v];
+        } else if self.turns == 1 && !self.ends_count {
+            self.done = true;
+            return;
         } else if value <= x.1 {
             if u.0 < x.0 {
                 self.b = x.0
@@ -161,6 +170,18 @@ mod tests {
             m.supply(f(x));
         }
         assert!(m.minimum().is_some_and(|(x, _)| (x - 1.3).abs() < 1e-14) && m.turns < 8, "{m:?}");
+    }
+
+    #[test]
+    fn ends_count_if_they_may() {
+        for (place, low) in [(1.0, 1.0), (2.0, 2.0), (1.0, 0.3), (1.0 + 1e-9, 1.0 + 1e-9)] {
+            let f = |x: f64| (x - low).powi(2);
+            let mut m = Minimiser::with_ends((1.0, f(1.0)), (2.0, f(2.0)), 1e-15);
+            while let Some(x) = m.wants() {
+                m.supply(f(x));
+            }
+            assert!(m.minimum().is_some_and(|(x, _)| (x - place).abs() < 2e-15), "{m:?}");
+        }
     }
 
     #[test]

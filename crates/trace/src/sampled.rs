@@ -63,7 +63,7 @@ impl Walker {
         // An undefined value counts as outside.
         let value = if value.is_nan() { f64::MAX } else { value };
         let inside = *self.inside.get_or_insert(value < 0.0);
-        let crossed = (value < 0.0) != inside;
+        let crossed = (value < 0.0) != inside && !(settings.surface && value == 0.0);
         if let Some(solver) = &mut self.solver {
             solver.supply(value);
         } else if let Some((minimiser, _)) = self.search.as_mut().filter(|_| !crossed) {
