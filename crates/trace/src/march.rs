@@ -490,6 +490,11 @@ impl Lane {
             self.settle([(near.0, fa), (near.0, fa)], settings);
             return;
         }
+        if fa == 0.0 && fb == 0.0 && !settings.surface {
+            // All of it may well be 0, and no shorter span will tell.
+            self.doubt(Certificate::Undecided);
+            return self.pass(far.0, GROWTH * (stop - start));
+        }
         if settings.surface && !undefined {
             return self.look_for_touch((near.0, fa), (far.0, fb), settings);
         }
