@@ -1,5 +1,6 @@
 //! What rays may ask of a scene.
 
+use crate::jump::Probe;
 use fieldstone_field::{F64, Gradients, LANES, Points, Reading, Tape, TapeOptions, Workspace};
 use fieldstone_scene::{Method, RaySpan, Scene, Solid};
 use fieldstone_trace::{Certificate, Outcome, Ray, Settings, Tracer};
@@ -241,25 +242,15 @@ impl<'s> PreparedSolid<'s> {
         Answer { surface, certificate: outcome.certificate, cost: outcome.cost }
     }
 
-    /// A normal where there is no gradient: a jump, or a point where the field is flat. The signs around the place
-    /// tell where outside is.
+    /// A normal where there is no gradient; towards the eye if there is none at all.
     fn probe_normal(
         &self,
         points: &mut Workspace<F64, Points>,
         surface: &Surface,
         direction: DVec3,
     ) -> DVec3 {
-        let reach = 1e-4 * self.settings.size;
-        let around: [DVec3; 26] = std::array::from_fn(|i| {
-            let i = if i < 13 { i } else { i + 1 };
-            let digit = |place: usize| (i / place % 3) as f64 - 1.0;
-            DVec3::new(digit(1), digit(3), digit(9)).normalize()
-        });
-        fill_points(points, around.iter().map(|&a| surface.middle() + reach * a));
-        points.run(&self.sign, around.len());
-        let values = points.output(0, 0);
-        let towards = |i: usize| if values[i] < 0.0 { -around[i] } else { around[i] };
-        (0..around.len()).map(towards).sum::<DVec3>().try_normalize().unwrap_or(-direction)
+        let (tape, size) = (&self.sign, self.settings.size);
+        Probe { points, tape, place: surface.middle(), size }.normal().unwrap_or(-direction)
     }
 }
 

@@ -279,6 +279,32 @@ fn attributes_are_colours() {
     }
 }
 
+/// −1 inside of a ball and 1 outside: a jump without a gradient anywhere.
+#[test]
+fn normals_at_jumps_come_from_signs() {
+    let jump = field(|g| {
+        let (ball, zero) = (ball(g, DVec3::ZERO, 1.0), g.constant(0.0));
+        let (inside, outside) = (g.constant(-1.0), g.constant(1.0));
+        let is_inside = g.lt(ball, zero);
+        g.select(is_inside, inside, outside)
+    });
+    let solid = Solid::new(jump, Bindings::new(), cube(1.2));
+    let eye = DVec3::new(2.0, -4.0, 1.5);
+    let (scene, rendered) = draw(vec![solid], perspective(eye), dark(), Method::Affine);
+    let mut hits = 0;
+    for (x, y, pixel) in pixels(&rendered.film).filter(|(.., p)| p.depth.is_finite()) {
+        let (origin, direction) = scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let place = origin + f64::from(pixel.depth) * direction;
+        let error = DVec3::from_array(pixel.normal.map(f64::from)) - place.normalize();
+        // A normal that points away from the eye would be turned.
+        if place.normalize().dot(direction) < -0.01 {
+            assert!(error.length() < 1e-3, "{error} at {place}");
+            hits += 1;
+        }
+    }
+    assert!(hits > 3000, "{hits}");
+}
+
 #[test]
 fn black_boxes_are_drawn_and_undecided() {
     let field = Field::from_fn(|p| p.iter().map(|c| c * c).sum::<f64>() - 1.0);
