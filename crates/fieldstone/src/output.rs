@@ -1,8 +1,13 @@
 //! Pictures as files, written beside their place and then renamed, so that there is a whole file or none.
 
+use exr::block::lines::LineRefMut;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::math::RoundingMode;
+use exr::meta::attribute::{LevelMode, SampleType};
+use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    LineOrder, SmallVec, WritableImage,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
+    SmallVec, WritableImage,
 };
 use fieldstone_scene::{Background, Film};
 use image::codecs::png::PngEncoder;
@@ -40,17 +45,53 @@ pub fn write_png(film: &Film, background: &Background, path: &Path) -> Result<()
 /// # Errors
 /// The file cannot be written; nothing is left of it then.
 pub fn write_exr(film: &Film, path: &Path) -> Result<(), OutputError> {
-    let channel = |(name, plane): (&str, &[f32])| AnyChannel::new(name, FlatSamples::F32(plane.to_vec()));
-    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = film.layers().map(channel).collect();
+    let width = film.width() as usize;
+    let channel = |(name, samples)| AnyChannel::new(name, Plane { samples, width });
+    let channels: SmallVec<[AnyChannel<Plane<'_>>; 4]> = film.layers().map(channel).collect();
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let size = (film.width() as usize, film.height() as usize);
+    let size = (width, film.height() as usize);
     let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels));
     let image = Image::from_layer(layer);
     write_beside(path, |file| image.write().to_buffered(file).map_err(io::Error::other))
+}
+
+/// A layer of a film as a channel of a file, without a copy: large films fill the memory as it is.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Plane<'f> {
+    samples: &'f [f32],
+    width: usize,
+}
+
+impl WritableSamples<'_> for Plane<'_> {
+    type Writer = Self;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&self, _: &Header) -> Self {
+        *self
+    }
+}
+
+impl SamplesWriter for Plane<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let at = line.location;
+        let start = at.position.y() * self.width + at.position.x();
+        // A line that is not in the picture stays 0; the encoder asks for none.
+        if let Some(samples) = self.samples.get(start..start + at.sample_count) {
+            let bytes = line.value.chunks_exact_mut(size_of::<f32>());
+            bytes.zip(samples).for_each(|(bytes, sample)| bytes.copy_from_slice(&sample.to_ne_bytes()));
+        }
+    }
 }
 
 /// Writes a file through `write`, beside its place and then renamed.
@@ -83,7 +124,7 @@ pub fn write_beside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use exr::prelude::{ReadChannels, ReadLayers, read};
+    use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
     use fieldstone_scene::{CHANNELS, Pixel};
 
     fn film() -> Film {
