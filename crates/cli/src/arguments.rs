@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Draw a model.
     Render(Box<RenderArguments>),
-    /// Print the values of a model at the points on standard input.
+    /// Print the values of a model at the points on standard input, one a line; empty lines stay empty.
     Eval(EvalArguments),
     /// Say what is in a model, and what is strange about it.
     Check(EvalArguments),

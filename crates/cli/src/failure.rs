@@ -12,6 +12,8 @@ pub(crate) enum Failure {
     Usage(String),
     /// A model or a file is not as it must be.
     Material(String),
+    /// A text is no model: messages that begin with `error` or `warning` themselves, at their places.
+    Text(String),
     /// Nobody reads the output any more.
     ClosedPipe,
 }
@@ -21,7 +23,7 @@ impl Failure {
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::ClosedPipe => 0,
-            Self::Material(_) => 1,
+            Self::Material(_) | Self::Text(_) => 1,
             Self::Usage(_) => 2,
         }
     }
@@ -38,11 +40,8 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) | Self::Material(message) => {
-                // Diagnostics of models begin with that word themselves.
-                let prefix = if message.starts_with("error") { "" } else { "error: " };
-                write!(f, "{prefix}{message}")
-            }
+            Self::Usage(message) | Self::Material(message) => write!(f, "error: {message}"),
+            Self::Text(messages) => f.write_str(messages),
             Self::ClosedPipe => f.write_str("the output was closed"),
         }
     }
@@ -60,5 +59,15 @@ macro_rules! failures {
 
 failures! {
     Usage: InputError, BallError, BoundsError, RequestError;
-    Material: Diagnostics, LoadError, OutputError, RenderError;
+    Material: OutputError, RenderError;
+    Text: Diagnostics;
+}
+
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::Model(diagnostics) => diagnostics.into(),
+            other => Self::Material(other.to_string()),
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Balls, to which solids may be clipped.
 
 use crate::bounds::{Bounds, RaySpan};
+use crate::text::{Number, Point};
 use glam::DVec3;
 
 /// A ball: its centre is finite, its radius positive, and it is longer than nothing along every axis.
@@ -15,13 +16,13 @@ pub struct Ball {
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum BallError {
     /// The radius is not positive and finite.
-    #[error("the radius of a sphere is a positive number, not {0:?}")]
+    #[error("the radius of a sphere is a positive number, not {}", Number(*.0))]
     Radius(f64),
     /// The centre is not finite, or so large that the radius is lost in it, or the ball overflows.
-    #[error("there is no sphere of radius {radius:?} around {centre:?}")]
+    #[error("there is no sphere of radius {} around {}", Number(*radius), Point(*centre))]
     Centre {
         /// The centre.
-        centre: [f64; 3],
+        centre: DVec3,
         /// The radius.
         radius: f64,
     },
@@ -39,7 +40,7 @@ impl Ball {
         }
         match Bounds::new(centre - radius, centre + radius) {
             Ok(bounds) => Ok(Self { centre, radius, bounds }),
-            Err(_) => Err(BallError::Centre { centre: centre.to_array(), radius }),
+            Err(_) => Err(BallError::Centre { centre, radius }),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Boxes along the axes.
 
+use crate::text::Number;
 use glam::DVec3;
 
 /// A box along the axes: finite, and longer than nothing along each of them.
@@ -13,7 +14,7 @@ pub struct Bounds {
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum BoundsError {
     /// A coordinate is infinite or not a number, or the extent between two is infinite.
-    #[error("the bounds are not finite along {axis}: from {min} to {max}")]
+    #[error("the bounds are not finite along {axis}: from {} to {}", Number(*min), Number(*max))]
     NotFinite {
         /// The first such axis: `x`, `y` or `z`.
         axis: char,
@@ -23,7 +24,7 @@ pub enum BoundsError {
         max: f64,
     },
     /// The lower end is not below the upper.
-    #[error("the bounds are empty along {axis}: from {min} to {max}")]
+    #[error("the bounds are empty along {axis}: from {} to {}", Number(*min), Number(*max))]
     Empty {
         /// The first such axis: `x`, `y` or `z`.
         axis: char,

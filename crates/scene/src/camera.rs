@@ -4,6 +4,7 @@
 //! right × forward. Image coordinates (u, v) run from (0, 0) at the upper left to (1, 1) at the lower right corner.
 
 use crate::bounds::Bounds;
+use crate::text::{Number, Point, degrees};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -35,7 +36,7 @@ pub enum Up {
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum CameraError {
     /// The eye or the target is not finite.
-    #[error("the camera cannot look from {eye} to {target}")]
+    #[error("the camera cannot look from {} to {}: the coordinates are too large, or no numbers", Point(*eye), Point(*target))]
     NotFinite {
         /// The eye.
         eye: DVec3,
@@ -43,10 +44,10 @@ pub enum CameraError {
         target: DVec3,
     },
     /// The eye is at the target.
-    #[error("the eye and the target are the same point, {0}")]
+    #[error("the eye and the target are the same point, {}", Point(*.0))]
     NoDirection(DVec3),
     /// The up vector is zero, not finite, or points along the view.
-    #[error("up ({up}) must not point along the view ({forward})")]
+    #[error("up {} must not be zero or point along the view {}", Point(*up), Point(*forward))]
     Up {
         /// The up vector that was asked for.
         up: DVec3,
@@ -54,10 +55,10 @@ pub enum CameraError {
         forward: DVec3,
     },
     /// The field of view is not between 0 and π.
-    #[error("a field of view lies between 0 and 180 degrees, not at {}", .0.to_degrees())]
+    #[error("a field of view lies between 0 and 180 degrees, not at {}", degrees(*.0))]
     FieldOfView(f64),
     /// The height of an orthographic image is not positive and finite.
-    #[error("the height of an orthographic image is a positive number, not {0}")]
+    #[error("the height of an orthographic image is a positive number, not {}", Number(*.0))]
     Height(f64),
 }
 

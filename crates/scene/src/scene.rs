@@ -5,11 +5,18 @@ use crate::bounds::{Bounds, RaySpan};
 use crate::camera::Camera;
 use crate::colour::{ColourSource, Material, Rgb, srgb_to_linear};
 use crate::light::Lighting;
+use crate::text::Number;
 use fieldstone_field::{Bindings, Field};
 use glam::DVec3;
 
-/// The most pixels that an image may have: 2²⁶, about 3 GB of film.
+/// The most pixels that an image may have: 2²⁶, 8192 × 8192.
 pub const MAX_PIXELS: u64 = 1 << 26;
+
+/// What a pixel takes in memory while an image is drawn and written, in bytes: its layers, and a little more.
+const PIXEL_BYTES: u64 = 48;
+
+/// The shortest step of [`Method::Sampled`], relative to the longest side of the bounds: rays have up to 1.7 million.
+pub const MIN_STEP: f64 = 1e-6;
 
 /// The most samples that a pixel may have.
 pub const MAX_SAMPLES: u32 = 4096;
@@ -24,19 +31,39 @@ pub enum SceneError {
     #[error("a colour needs three attributes, the field has {0}")]
     Attributes(usize),
     /// The image has no pixel, or more than [`MAX_PIXELS`].
-    #[error("an image of {0}x{1} pixels is not between 1 and {MAX_PIXELS} pixels")]
+    #[error("an image of {0}x{1} pixels {fault}", fault = size_fault(*.0, *.1))]
     Size(u32, u32),
     /// No sample, or more than [`MAX_SAMPLES`].
     #[error("{0} samples a pixel are not between 1 and {MAX_SAMPLES}")]
     Samples(u32),
     /// A step or tolerance that is not finite and positive.
-    #[error("the {name} is a positive number, not {value}")]
+    #[error("the {name} is a positive number, not {}", Number(*value))]
     Length {
         /// Which it is: `step`, `accepted width` or `tolerance`.
         name: &'static str,
         /// What was asked for.
         value: f64,
     },
+    /// A step shorter than [`MIN_STEP`].
+    #[error(
+        "a step of {} of the longest side is too short: a ray has at most a million steps or so, \
+         each at least {MIN_STEP:?}",
+        Number(*.0)
+    )]
+    Step(f64),
+}
+
+fn size_fault(width: u32, height: u32) -> String {
+    let pixels = u64::from(width) * u64::from(height);
+    let gigabytes = |pixels: u64| pixels.saturating_mul(PIXEL_BYTES).div_ceil(1_000_000_000);
+    match pixels {
+        0 => "has none".to_owned(),
+        _ => format!(
+            "needs {} GB of memory: at most {MAX_PIXELS} pixels ({} GB) are drawn",
+            gigabytes(pixels),
+            gigabytes(MAX_PIXELS)
+        ),
+    }
 }
 
 /// A solid: where its field is negative, within its bounds; or a surface without an inside: where its field is 0.
@@ -225,7 +252,10 @@ impl Settings {
                 _ => {}
             }
         }
-        Ok(())
+        match self.method {
+            Method::Sampled { step: Some(step) } if step < MIN_STEP => Err(SceneError::Step(step)),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -331,9 +361,20 @@ mod tests {
         let length = |name, value| Err(SceneError::Length { name, value });
         assert_eq!(with(|s| s.tolerance = Some(0.0)), length("tolerance", 0.0));
         assert_eq!(with(|s| s.method = Method::Sampled { step: Some(-1.0) }), length("step", -1.0));
+        assert_eq!(with(|s| s.method = Method::Sampled { step: Some(1e-12) }), Err(SceneError::Step(1e-12)));
         let epsilon = Method::Interval { accept_epsilon: Some(f64::INFINITY) };
         let refused = scene(Settings { method: epsilon, ..Settings::default() }).map(|_| ());
         assert_eq!(refused, length("accepted width", f64::INFINITY));
+    }
+
+    #[test]
+    fn sizes_name_their_need() {
+        let message = |width, height| SceneError::Size(width, height).to_string();
+        assert_eq!(message(0, 5), "an image of 0x5 pixels has none");
+        let needs =
+            "an image of 65536x65536 pixels needs 207 GB of memory: at most 67108864 pixels (4 GB) are drawn";
+        assert_eq!(message(65536, 65536), needs);
+        assert!(message(u32::MAX, u32::MAX).contains("GB"));
     }
 
     #[test]

@@ -187,6 +187,22 @@ fn zeros_cost_little() {
     }
 }
 
+/// Steps that do not even move a place in double precision: the ray ends all the same, and says so.
+#[test]
+fn tiny_steps_end_undecided() {
+    let settings = Settings { method: Method::Sampled { step: 1e-17 }, ..Settings::new(6.0) };
+    let outcome = first_hit(&ball(), along_x(0.0), &settings);
+    assert!(outcome.hit.is_none() && outcome.certificate == Certificate::Undecided, "{outcome:?}");
+}
+
+/// Widths that no span of a ray can have: the smallest counts.
+#[test]
+fn tiny_accepted_widths_end() {
+    let method = Method::Interval { accept_epsilon: Some(1e-300) };
+    let outcome = first_hit(&ball(), along_x(0.0), &Settings { method, ..Settings::new(6.0) });
+    assert!(outcome.hit.is_some_and(|hit| (hit.t - 2.0).abs() < 1e-6), "{outcome:?}");
+}
+
 #[test]
 fn black_boxes_are_undecided() {
     let ball = Field::from_fn(|p| p.iter().map(|c| c * c).sum::<f64>() - 1.0);
