@@ -79,10 +79,7 @@ fn check_writable(path: &Path) -> Result<(), Failure> {
             folder.display()
         )));
     }
-    if path.is_dir() {
-        return Err(Failure::Material(format!("cannot write {}: it is a folder", path.display())));
-    }
-    Ok(())
+    Ok(fieldstone::check_writable(path)?)
 }
 
 fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {

@@ -54,7 +54,7 @@ mod request;
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
-pub use output::{OutputError, write_beside, write_exr, write_png};
+pub use output::{OutputError, check_writable, write_beside, write_exr, write_png};
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input};

@@ -103,10 +103,7 @@ pub fn write_beside(
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let failed = |reason| OutputError { path: path.to_owned(), reason };
-    let name = path.file_name().ok_or_else(|| failed(io::Error::other("that is not the name of a file")))?;
-    let mut beside = name.to_owned();
-    beside.push(format!(".{}.part", std::process::id()));
-    let beside = path.with_file_name(beside);
+    let beside = place_beside(path)?;
     let written = File::create(&beside)
         .and_then(|file| {
             let mut file = BufWriter::new(file);
@@ -119,6 +116,30 @@ pub fn write_beside(
         let _ = fs::remove_file(&beside);
         failed(reason)
     })
+}
+
+/// Finds out whether a file could be written, so that nobody works for nothing; nothing is left behind.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn check_writable(path: &Path) -> Result<(), OutputError> {
+    let failed = |reason| OutputError { path: path.to_owned(), reason };
+    if path.is_dir() {
+        return Err(failed(io::Error::other("it is a folder")));
+    }
+    let beside = place_beside(path)?;
+    File::create(&beside).and_then(|_| fs::remove_file(&beside)).map_err(failed)
+}
+
+/// The place of a file while it is being written.
+fn place_beside(path: &Path) -> Result<PathBuf, OutputError> {
+    let Some(name) = path.file_name() else {
+        let reason = io::Error::other("that is not the name of a file");
+        return Err(OutputError { path: path.to_owned(), reason });
+    };
+    let mut beside = name.to_owned();
+    beside.push(format!(".{}.part", std::process::id()));
+    Ok(path.with_file_name(beside))
 }
 
 #[cfg(test)]
@@ -181,5 +202,16 @@ mod tests {
         assert!(write_png(&film(), &Background::default(), &folder.path().join("no/film.png")).is_err());
         write_beside(&path, |file| file.write_all(b"new")).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    }
+
+    #[test]
+    fn what_can_be_written_is_known_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new.txt");
+        assert!(check_writable(&path).is_ok());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        for wrong in [folder.path().join("no/new.txt"), folder.path().to_owned(), PathBuf::from("..")] {
+            assert!(check_writable(&wrong).is_err(), "{}", wrong.display());
+        }
     }
 }

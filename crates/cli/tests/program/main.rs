@@ -4,3 +4,4 @@
 mod eval;
 mod place;
 mod render;
+mod robust;
