@@ -95,7 +95,8 @@ impl<'s> Prepared<'s> {
         Segments
     }
 
-    /// Which rays meet anything before their distances; they start outside of all solids.
+    /// Which rays meet anything before their distances; they start outside of all solids. Undecided rays without a
+    /// crossing meet nothing.
     pub(crate) fn blocked(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: &[f64]) -> Vec<bool> {
         asker.rays += rays.len() as u64;
         let mut blocked = vec![false; rays.len()];

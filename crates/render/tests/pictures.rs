@@ -178,6 +178,30 @@ fn the_shadow_of_a_ball_on_a_plane_is_exact() {
     }
 }
 
+/// max(z, z − √(½ − z)) is the half-space z < 0, and undefined above z = ½, where all light comes through.
+#[test]
+fn light_arrives_through_places_without_a_value() {
+    let field = field(|g| {
+        let [_, _, z] = point(g);
+        let half = g.constant(0.5);
+        let room = g.sub(half, z);
+        let root = g.sqrt(room);
+        let lower = g.sub(z, root);
+        g.max(z, lower)
+    });
+    let sun = Light::directional(DVec3::new(0.3, 0.2, 1.0), DVec3::ONE).expect("the light is sound");
+    let lighting = Lighting { lights: vec![sun], ..dark() };
+    let solid = Solid::new(field, Bindings::new(), cube(1.0));
+    let (_, rendered) = draw(vec![solid], perspective(DVec3::new(0.0, -5.0, 4.0)), lighting, Method::Affine);
+    let on_top = pixels(&rendered.film).filter(|(.., p)| p.depth.is_finite() && p.normal[2] > 0.9999);
+    let seen = on_top.map(|(.., p)| {
+        assert!(p.colour[0] > 0.0, "{p:?}");
+        p.certificate
+    });
+    // They are seen through the same places.
+    assert!(seen.filter(|certificate| *certificate == 3.0).count() > 500);
+}
+
 /// What stands behind a lamp blocks nothing, however far the lamp is from other places.
 #[test]
 fn nothing_behind_a_lamp_casts_a_shadow() {

@@ -88,11 +88,14 @@ fn parameters_in_any_case_and_short_numbers() {
 fn messages_of_models_say_what_they_are_once() {
     let place = Place::new();
     // A warning stands before the error in the text.
-    place.file("both.hf", "my_model(x[3], a[1]) {\n  x[1] = 2;\n  my_model = 1 - x[1] +* 2;\n}\n");
-    let run = place.run(&["check", "both.hf"], "");
+    place.file("both.vm", "_0 var-x\n_0 var-y\n_1 nothing _0\n");
+    let run = place.run(&["check", "both.vm"], "");
     assert_eq!(run.code, 1);
+    let heads: Vec<&str> =
+        run.err.lines().filter(|l| l.starts_with("error") || l.starts_with("warning")).collect();
+    assert_eq!(heads.len(), 2, "{}", run.err);
+    assert!(heads[0].starts_with("warning: ") && heads[1].starts_with("error: "), "{}", run.err);
     assert!(!run.err.contains("error: warning") && !run.err.contains("error: error"), "{}", run.err);
-    assert!(run.err.starts_with("error") || run.err.starts_with("warning"), "{}", run.err);
 }
 
 #[test]
