@@ -4,7 +4,7 @@ use fieldstone_field::{F64, LANES, Points, Tape, Workspace};
 use glam::DVec3;
 
 /// How far from the surface signs are looked at, relative to the size.
-const REACH: f64 = 1e-4;
+const REACH: f64 = 1e-5;
 /// The lines on which the surface is located, and the places on each that are looked at together.
 const LINES: usize = 4;
 const PLACES: usize = LANES / LINES;

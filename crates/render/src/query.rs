@@ -243,7 +243,8 @@ impl<'s> PreparedSolid<'s> {
         Answer { surface, certificate: outcome.certificate, cost: outcome.cost }
     }
 
-    /// A normal where there is no gradient; towards the eye if there is none at all.
+    /// A normal where there is no gradient; towards the eye if there is none at all. Around an edge it may be that of a
+    /// face on the other side: then it is mirrored, since its opposite would point into the solid.
     fn probe_normal(
         &self,
         points: &mut Workspace<F64, Points>,
@@ -251,7 +252,8 @@ impl<'s> PreparedSolid<'s> {
         direction: DVec3,
     ) -> DVec3 {
         let (tape, size) = (&self.sign, self.settings.size);
-        Probe { points, tape, place: surface.middle(), size }.normal().unwrap_or(-direction)
+        let normal = Probe { points, tape, place: surface.middle(), size }.normal().unwrap_or(-direction);
+        normal - 2.0 * normal.dot(direction).max(0.0) * direction
     }
 }
 
