@@ -33,7 +33,7 @@ pub(crate) enum Command {
     /// Draw a model.
     #[command(after_help = examples::RENDER)]
     Render(Box<RenderArguments>),
-    /// Print the values of a model at the points on standard input.
+    /// Print the values of a model at the points on standard input, one a line; empty lines stay empty.
     #[command(after_help = examples::EVAL)]
     Eval(EvalArguments),
     /// Say what is in a model, and what is strange about it.
@@ -72,6 +72,9 @@ pub(crate) struct ModelArguments {
     /// How many turns loops may take at a point before it counts as undefined [default: up to 1000000].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     fuel: Option<u32>,
+    /// The time: `t` in formulas.
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = parse_number, default_value = "0")]
+    time: f64,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -111,7 +114,7 @@ impl ModelArguments {
 
     /// The values of its inputs.
     pub(crate) fn inputs(&self) -> Inputs {
-        Inputs { parameters: self.parameters.clone(), coordinates: self.coordinates.clone(), time: 0.0 }
+        Inputs { parameters: self.parameters.clone(), coordinates: self.coordinates.clone(), time: self.time }
     }
 }
 
@@ -176,9 +179,15 @@ pub(crate) struct RenderArguments {
     /// Where the solid is; it is cut off there [default: found].
     #[arg(long, help_heading = VIEW, value_name = "x0,y0,z0,x1,y1,z1", allow_hyphen_values = true, value_parser = parse_bounds)]
     pub(crate) bounds: Option<[f64; 6]>,
-    /// Look into the solid where the bounds cut it, instead of closing it there.
+    /// Look into the solid where the bounds or the sphere cut it, instead of closing it there.
     #[arg(long, help_heading = VIEW)]
     pub(crate) open: bool,
+    /// Draw the surface where the function is 0, from both sides, instead of a solid: for double roots too.
+    #[arg(long, help_heading = VIEW)]
+    pub(crate) surface: bool,
+    /// Draw only what lies in the sphere around a point with this radius; a solid is cut off there.
+    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z,R", allow_hyphen_values = true, value_parser = parse_sphere)]
+    pub(crate) clip_sphere: Option<[f64; 4]>,
     /// How surfaces are found.
     #[arg(long, help_heading = METHOD, value_enum, default_value_t = MethodName::Affine)]
     pub(crate) method: MethodName,
@@ -200,7 +209,7 @@ pub(crate) struct RenderArguments {
     /// Write what was spent, and what the picture rests on, as JSON.
     #[arg(long, help_heading = OUTPUT, value_name = "FILE.json")]
     pub(crate) stats: Option<PathBuf>,
-    /// Print nothing but errors.
+    /// Print nothing but errors: no warnings, no closing line.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) quiet: bool,
 }
@@ -232,6 +241,10 @@ fn parse_vector(text: &str) -> Result<DVec3, String> {
 }
 
 fn parse_bounds(text: &str) -> Result<[f64; 6], String> {
+    parse_numbers(text)
+}
+
+fn parse_sphere(text: &str) -> Result<[f64; 4], String> {
     parse_numbers(text)
 }
 

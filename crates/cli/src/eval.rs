@@ -1,4 +1,4 @@
-//! `fieldstone eval`: a filter from points to values.
+//! `fieldstone eval`: a filter from points to values, line by line; empty lines stay empty.
 
 use crate::arguments::EvalArguments;
 use crate::failure::Failure;
@@ -33,6 +33,12 @@ fn filter(
         line.clear();
         let read = input.read_line(&mut line).map_err(|e| Failure::of_stream("standard input", &e))?;
         number += 1;
+        if read > 0 && line.trim().is_empty() && evaluator.columns() > 0 {
+            print(evaluator, &points, waiting, output)?;
+            (waiting, points) = (0, Vec::with_capacity(points.capacity()));
+            writeln!(output).map_err(|e| Failure::of_stream("standard output", &e))?;
+            continue;
+        }
         let parsed = if read == 0 { Ok(()) } else { parse(&line, number, evaluator.columns(), &mut points) };
         waiting += usize::from(read > 0 && parsed.is_ok());
         if read == 0 || waiting == BLOCK || parsed.is_err() {

@@ -1,6 +1,8 @@
 //! How the program ends when it does not succeed.
 
-use fieldstone::{BoundsError, Diagnostics, InputError, LoadError, OutputError, RenderError, RequestError};
+use fieldstone::{
+    BallError, BoundsError, Diagnostics, InputError, LoadError, OutputError, RenderError, RequestError,
+};
 use std::{fmt, io};
 
 /// Why the program stops.
@@ -42,9 +44,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) | Self::Material(message) => {
-                write!(f, "error: {message}")
-            }
+            Self::Usage(message) | Self::Material(message) => write!(f, "error: {message}"),
             // Diagnostics begin with the word "error" themselves.
             Self::Model(diagnostics) => diagnostics.fmt(f),
             Self::ClosedPipe => f.write_str("the output was closed"),
@@ -64,7 +64,7 @@ macro_rules! failures {
 }
 
 failures! {
-    Usage: InputError, BoundsError, RequestError;
+    Usage: InputError, BallError, BoundsError, RequestError;
     Material: OutputError;
 }
 

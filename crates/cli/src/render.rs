@@ -6,8 +6,8 @@ use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 use fieldstone::glam::DVec3;
 use fieldstone::{
-    Bounds, Method, Projection, RenderOptions, RenderRequest, Rendered, Resolved, Settings, View,
-    write_beside, write_exr, write_png,
+    Ball, Bounds, Method, Projection, RenderOptions, RenderRequest, Rendered, Resolved, Settings, View,
+    Warning, write_beside, write_exr, write_png,
 };
 use serde::Serialize;
 use std::io::Write;
@@ -30,12 +30,18 @@ pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Fai
     }
     let request = request(arguments)?;
     let loaded = arguments.model.load()?;
-    let resolved = request.resolve(&loaded.model)?;
+    let mut resolved = request.resolve(&loaded.model)?;
     if !arguments.quiet {
         loaded.rendered_warnings().for_each(|warning| eprintln!("{warning}"));
         resolved.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
     let rendered = draw(arguments, &resolved, &interrupt)?;
+    if let Some(warning) = Warning::of_picture(&rendered.stats, &resolved.warnings) {
+        resolved.warnings.push(warning);
+        if !arguments.quiet {
+            eprintln!("warning: {warning}");
+        }
+    }
     let summary = Summary::new(&resolved, &rendered, start);
     interrupt.writing(|| {
         match kind {
@@ -93,16 +99,14 @@ fn check_writable(path: &Path) -> Result<(), Failure> {
             folder.display()
         )));
     }
-    if path.is_dir() {
-        return Err(Failure::Material(format!("cannot write {}: it is a folder", path.display())));
-    }
-    Ok(())
+    Ok(fieldstone::check_writable(path)?)
 }
 
 fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
     let bounds = arguments
         .bounds
         .map(|[x0, y0, z0, x1, y1, z1]| Bounds::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)));
+    let sphere = arguments.clip_sphere.map(|[x, y, z, radius]| Ball::new(DVec3::new(x, y, z), radius));
     let fov =
         arguments.fov.map(|degrees| Projection::Perspective { vertical_fov_radians: degrees.to_radians() });
     let projection = arguments.ortho.map(|height| Projection::Orthographic { height }).or(fov);
@@ -117,6 +121,8 @@ fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
         inputs: arguments.model.inputs(),
         bounds: bounds.transpose()?,
         open: arguments.open,
+        surface: arguments.surface,
+        clip_sphere: sphere.transpose()?,
         view,
         settings,
     })

@@ -1,12 +1,13 @@
 //! Values for what a model leaves open.
 
 use fieldstone_field::{Bindings, Input};
-use fieldstone_lang::Model;
+use fieldstone_lang::{Model, Parameter};
 
 /// Values for the inputs of a model; the rest has its defaults.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Inputs {
-    /// Parameters by name: `a[1]` in HyperFun, the name in a formula. The last of a name counts.
+    /// Parameters by name: `a[1]` in HyperFun, the name in a formula. The last of a name counts. Letter case matters
+    /// only where names differ in nothing else.
     pub parameters: Vec<(String, f64)>,
     /// Coordinates by number, counted from 1.
     pub coordinates: Vec<(usize, f64)>,
@@ -68,12 +69,12 @@ impl Inputs {
         }
         for (name, value) in &self.parameters {
             let wanted: String = name.split_whitespace().collect();
-            let known = model.parameters.iter().find(|p| p.name == wanted);
-            let parameter = known.ok_or_else(|| InputError::UnknownParameter {
-                object: model.name.clone(),
-                name: name.clone(),
-                known: model.parameters.iter().map(|p| p.name.clone()).collect(),
-            })?;
+            let parameter =
+                find_parameter(&model.parameters, &wanted).ok_or_else(|| InputError::UnknownParameter {
+                    object: model.name.clone(),
+                    name: name.clone(),
+                    known: model.parameters.iter().map(|p| p.name.clone()).collect(),
+                })?;
             bindings.set(parameter.input, finite(name, *value)?);
         }
         for &(number, value) in &self.coordinates {
@@ -85,6 +86,15 @@ impl Inputs {
         }
         bindings.set(Input::Time, finite("the time", self.time)?);
         Ok(bindings)
+    }
+}
+
+/// The parameter of that name, or the only one that differs from it in letter case alone.
+fn find_parameter<'p>(parameters: &'p [Parameter], name: &str) -> Option<&'p Parameter> {
+    let alike: Vec<&Parameter> = parameters.iter().filter(|p| p.name.eq_ignore_ascii_case(name)).collect();
+    match alike.as_slice() {
+        [only] => Some(only),
+        _ => alike.into_iter().find(|p| p.name == name),
     }
 }
 
@@ -112,6 +122,20 @@ mod tests {
         };
         assert_eq!((value("r"), value("s")), (2.0, 5.0));
         assert_eq!(bindings.get(Input::Coordinate(3)), 7.0);
+    }
+
+    #[test]
+    fn letter_case_matters_only_where_it_must() {
+        let model = formula("r = 2; s = 3; S = 4; x*r*s*S").unwrap().model;
+        let set = |name: &str| {
+            let inputs = Inputs { parameters: vec![(name.into(), 9.0)], ..Inputs::default() };
+            let bindings = inputs.bindings(&model).ok()?;
+            Some(model.parameters.iter().map(|p| bindings.get(p.input)).collect::<Vec<f64>>())
+        };
+        assert_eq!(set("R"), Some(vec![9.0, 3.0, 4.0]));
+        assert_eq!(set("S"), Some(vec![2.0, 3.0, 9.0]));
+        assert_eq!(set("s"), Some(vec![2.0, 9.0, 4.0]));
+        assert_eq!(set("q"), None);
     }
 
     #[test]

@@ -46,6 +46,7 @@
 
 mod endless;
 mod evaluate;
+mod extent;
 mod inputs;
 mod load;
 mod output;
@@ -55,7 +56,7 @@ pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
-pub use output::{OutputError, write_beside, write_exr, write_png};
+pub use output::{OutputError, check_writable, write_beside, write_exr, write_png};
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input};
@@ -65,9 +66,9 @@ pub use fieldstone_lang::{
 };
 pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
 pub use fieldstone_scene::{
-    Background, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film, Light, LightError,
-    LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene, SceneError,
-    Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
+    Background, Ball, BallError, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film,
+    Light, LightError, LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene,
+    SceneError, Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_space::{DEFAULT_BOUNDS, Extent, FoundBounds, solid_bounds};
 pub use glam;

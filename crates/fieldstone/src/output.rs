@@ -1,8 +1,13 @@
 //! Pictures as files, written beside their place and then renamed, so that there is a whole file or none.
 
+use exr::block::lines::LineRefMut;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::math::RoundingMode;
+use exr::meta::attribute::{LevelMode, SampleType};
+use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    LineOrder, SmallVec, WritableImage,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
+    SmallVec, WritableImage,
 };
 use fieldstone_scene::{Background, Film};
 use image::codecs::png::PngEncoder;
@@ -40,17 +45,53 @@ pub fn write_png(film: &Film, background: &Background, path: &Path) -> Result<()
 /// # Errors
 /// The file cannot be written; nothing is left of it then.
 pub fn write_exr(film: &Film, path: &Path) -> Result<(), OutputError> {
-    let channel = |(name, plane): (&str, &[f32])| AnyChannel::new(name, FlatSamples::F32(plane.to_vec()));
-    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = film.layers().map(channel).collect();
+    let width = film.width() as usize;
+    let channel = |(name, samples)| AnyChannel::new(name, Plane { samples, width });
+    let channels: SmallVec<[AnyChannel<Plane<'_>>; 4]> = film.layers().map(channel).collect();
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let size = (film.width() as usize, film.height() as usize);
+    let size = (width, film.height() as usize);
     let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels));
     let image = Image::from_layer(layer);
     write_beside(path, |file| image.write().to_buffered(file).map_err(io::Error::other))
+}
+
+/// A layer of a film as a channel of a file, without a copy: large films fill the memory as it is.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Plane<'f> {
+    samples: &'f [f32],
+    width: usize,
+}
+
+impl WritableSamples<'_> for Plane<'_> {
+    type Writer = Self;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&self, _: &Header) -> Self {
+        *self
+    }
+}
+
+impl SamplesWriter for Plane<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let at = line.location;
+        let start = at.position.y() * self.width + at.position.x();
+        // A line that is not in the picture stays 0; the encoder asks for none.
+        if let Some(samples) = self.samples.get(start..start + at.sample_count) {
+            let bytes = line.value.chunks_exact_mut(size_of::<f32>());
+            bytes.zip(samples).for_each(|(bytes, sample)| bytes.copy_from_slice(&sample.to_ne_bytes()));
+        }
+    }
 }
 
 /// Writes a file through `write`, beside its place and then renamed.
@@ -62,10 +103,7 @@ pub fn write_beside(
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let failed = |reason| OutputError { path: path.to_owned(), reason };
-    let name = path.file_name().ok_or_else(|| failed(io::Error::other("that is not the name of a file")))?;
-    let mut beside = name.to_owned();
-    beside.push(format!(".{}.part", std::process::id()));
-    let beside = path.with_file_name(beside);
+    let beside = place_beside(path)?;
     let written = File::create(&beside)
         .and_then(|file| {
             let mut file = BufWriter::new(file);
@@ -80,10 +118,34 @@ pub fn write_beside(
     })
 }
 
+/// Finds out whether a file could be written, so that nobody works for nothing; nothing is left behind.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn check_writable(path: &Path) -> Result<(), OutputError> {
+    let failed = |reason| OutputError { path: path.to_owned(), reason };
+    if path.is_dir() {
+        return Err(failed(io::Error::other("it is a folder")));
+    }
+    let beside = place_beside(path)?;
+    File::create(&beside).and_then(|_| fs::remove_file(&beside)).map_err(failed)
+}
+
+/// The place of a file while it is being written.
+fn place_beside(path: &Path) -> Result<PathBuf, OutputError> {
+    let Some(name) = path.file_name() else {
+        let reason = io::Error::other("that is not the name of a file");
+        return Err(OutputError { path: path.to_owned(), reason });
+    };
+    let mut beside = name.to_owned();
+    beside.push(format!(".{}.part", std::process::id()));
+    Ok(path.with_file_name(beside))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use exr::prelude::{ReadChannels, ReadLayers, read};
+    use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
     use fieldstone_scene::{CHANNELS, Pixel};
 
     fn film() -> Film {
@@ -140,5 +202,16 @@ mod tests {
         assert!(write_png(&film(), &Background::default(), &folder.path().join("no/film.png")).is_err());
         write_beside(&path, |file| file.write_all(b"new")).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    }
+
+    #[test]
+    fn what_can_be_written_is_known_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new.txt");
+        assert!(check_writable(&path).is_ok());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        for wrong in [folder.path().join("no/new.txt"), folder.path().to_owned(), PathBuf::from("..")] {
+            assert!(check_writable(&wrong).is_err(), "{}", wrong.display());
+        }
     }
 }

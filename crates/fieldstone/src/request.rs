@@ -1,14 +1,14 @@
 //! From a model and a few wishes to a scene.
 
+use crate::extent::{Wanted, find_bounds};
 use crate::inputs::{InputError, Inputs};
-use fieldstone_field::{Bindings, Input};
 use fieldstone_lang::{Model, UpAxis};
+use fieldstone_render::Stats;
 use fieldstone_scene::{
-    Bounds, BoundsError, Camera, CameraError, ColourSource, Lighting, Scene, SceneError, Settings, Solid, Up,
-    View,
+    Ball, Bounds, BoundsError, Camera, CameraError, ColourSource, Lighting, Scene, SceneError, Settings,
+    Solid, Up, View,
 };
-use fieldstone_space::{Extent, FoundBounds, solid_bounds};
-use glam::DVec3;
+use fieldstone_space::{Extent, FoundBounds};
 use std::fmt;
 
 /// What to draw of a model; what is not given is chosen so that the picture is good.
@@ -20,6 +20,10 @@ pub struct RenderRequest {
     pub bounds: Option<Bounds>,
     /// Whether one looks into the solid where the bounds cut it.
     pub open: bool,
+    /// Whether to draw the surface where the field is 0, from both sides, instead of the solid where it is negative.
+    pub surface: bool,
+    /// A sphere outside of which nothing is drawn; it cuts solids like the bounds do.
+    pub clip_sphere: Option<Ball>,
     /// What is fixed of the camera.
     pub view: View,
     /// Size, samples and method.
@@ -48,6 +52,14 @@ pub enum Warning {
     Undefined,
     /// The bounds rest on samples.
     SampledBounds,
+    /// No end of the surface was found.
+    UnboundedSurface,
+    /// There is no surface.
+    EmptySurface,
+    /// There is nothing inside the sphere that clips.
+    NothingInSphere,
+    /// No ray through the centre of a pixel hits anything.
+    NothingSeen,
 }
 
 impl Warning {
@@ -61,18 +73,36 @@ impl Warning {
             Extent::Bounded => (!found.proved).then_some(Self::SampledBounds),
         }
     }
+
+    /// What a picture gives reason to say; nothing if a warning about its scene says why.
+    pub fn of_picture(stats: &Stats, scene_warnings: &[Self]) -> Option<Self> {
+        use Warning::{Empty, EmptySurface, NotFound, NothingInSphere, Undefined};
+        let explained = [Empty, EmptySurface, NotFound, NothingInSphere, Undefined];
+        let is_explained = scene_warnings.iter().any(|warning| explained.contains(warning));
+        (stats.hits == 0 && !is_explained).then_some(Self::NothingSeen)
+    }
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Unbounded => "the solid has no end within ±1000: cut off at ±10 (choose with --bounds)",
-            Self::Empty => "there is no solid: the function is nowhere inside within ±1000",
+            Self::Empty => {
+                "there is no solid: the function is nowhere inside within ±1000 (--surface shows where it is 0)"
+            }
             Self::NotFound => "no solid was found within ±1000, but there may be one: looking within ±10",
             Self::Undefined => "the function has no value anywhere",
             Self::SampledBounds => {
                 "the bounds rest on samples, because nothing can be proved about the function in places \
                  (if something is cut off, use --bounds)"
+            }
+            Self::UnboundedSurface => {
+                "the surface has no end within ±1000: cut off at ±10 (choose with --bounds or --clip-sphere)"
+            }
+            Self::EmptySurface => "there is no surface: the function is nowhere 0 within ±1000",
+            Self::NothingInSphere => "nothing was found inside the sphere of --clip-sphere",
+            Self::NothingSeen => {
+                "nothing is to be seen: no ray of the picture hits anything (look at --eye, --target, --bounds)"
             }
         })
     }
@@ -112,7 +142,12 @@ impl RenderRequest {
         let bindings = self.inputs.bindings(model)?;
         let (bounds, warning) = match self.bounds {
             Some(bounds) => (bounds, None),
-            None => find_bounds(model, &bindings)?,
+            None => find_bounds(&Wanted {
+                field: &model.field,
+                bindings: &bindings,
+                surface: self.surface,
+                clip: self.clip_sphere.as_ref(),
+            })?,
         };
         let up = match model.up {
             UpAxis::Y => Up::Y,
@@ -121,7 +156,10 @@ impl RenderRequest {
         let (width, height) = self.settings.size;
         let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
         let camera = Camera::framing(&bounds, &self.view, up, aspect)?;
-        let solid = Solid::new(model.field.clone(), bindings, bounds).with_caps(!self.open);
+        let solid = Solid::new(model.field.clone(), bindings, bounds)
+            .with_caps(!self.open)
+            .with_surface(self.surface)
+            .with_clip_ball(self.clip_sphere);
         let coloured = model.has_attributes && model.field.attributes().len() >= 3;
         let colours = if coloured { ColourSource::Attributes } else { ColourSource::Material };
         let solid = solid.with_colour_source(colours)?;
@@ -130,18 +168,11 @@ impl RenderRequest {
     }
 }
 
-fn find_bounds(model: &Model, bindings: &Bindings) -> Result<(Bounds, Option<Warning>), RequestError> {
-    let mut varying_free = bindings.clone();
-    (0..3).for_each(|k| varying_free.set(Input::Coordinate(k), 0.0));
-    let found = solid_bounds(&model.field, &varying_free);
-    let bounds = Bounds::new(DVec3::from(found.min), DVec3::from(found.max))?;
-    Ok((bounds, Warning::of_bounds(&found)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Projection, formula};
+    use glam::DVec3;
 
     fn resolve(text: &str, request: &RenderRequest) -> Result<Resolved, RequestError> {
         request.resolve(&formula(text).unwrap().model)

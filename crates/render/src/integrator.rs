@@ -1,7 +1,9 @@
 //! Light: what comes back along a ray.
 //!
 //! Blinn-Phong with hard shadows. A shadow ray starts where the view ray was certainly still outside, one bracket's
-//! width before the surface, so that there is neither acne nor leaking light.
+//! width before the surface, so that there is neither acne nor leaking light. Light arrives unless something is found to
+//! block it: a shadow ray that meets nothing but places where the field is undefined, or that runs out of fuel, counts as
+//! free. Certificates of pixels are about their own rays, not about shadows.
 
 use crate::query::{Answer, Asker, Prepared, Surface};
 use glam::DVec3;

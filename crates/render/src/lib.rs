@@ -6,6 +6,7 @@
 //! neighbours differ.
 
 mod integrator;
+mod jump;
 mod query;
 mod tile;
 

@@ -1,5 +1,6 @@
 //! What rays may ask of a scene.
 
+use crate::jump::Probe;
 use fieldstone_field::{F64, Gradients, LANES, Points, Reading, Tape, TapeOptions, Workspace};
 use fieldstone_scene::{Method, RaySpan, Scene, Solid};
 use fieldstone_trace::{Certificate, Outcome, Ray, Settings, Tracer};
@@ -36,8 +37,10 @@ pub(crate) struct Surface {
     pub(crate) before: DVec3,
     /// A place certainly behind it.
     pub(crate) behind: DVec3,
-    /// The normal of a cap, where a face of the bounds cuts the solid.
+    /// The normal of a cap, where the bounds cut the solid.
     cap: Option<DVec3>,
+    /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
+    gradient_place: DVec3,
 }
 
 /// The answer to a surface query.
@@ -92,7 +95,8 @@ impl<'s> Prepared<'s> {
         Segments
     }
 
-    /// Which rays meet anything before their distances; they start outside of all solids.
+    /// Which rays meet anything before their distances; they start outside of all solids. Undecided rays without a
+    /// crossing meet nothing.
     pub(crate) fn blocked(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: &[f64]) -> Vec<bool> {
         asker.rays += rays.len() as u64;
         let mut blocked = vec![false; rays.len()];
@@ -111,7 +115,7 @@ impl<'s> Prepared<'s> {
             let of_part: Vec<usize> = (0..hits.len()).filter(|&i| hits[i].0.part == part).collect();
             for block in of_part.chunks(LANES) {
                 for (lane, &i) in block.iter().enumerate() {
-                    let point = hits[i].0.middle();
+                    let point = hits[i].0.gradient_place;
                     for axis in 0..3 {
                         asker.gradients.input(axis, 0)[lane] = point[axis];
                         for direction in 0..3 {
@@ -188,8 +192,7 @@ impl<'s> PreparedSolid<'s> {
 
     /// The surfaces that rays meet; any that lies before their distances, if there are distances.
     fn hits(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: Option<&[f64]>) -> Vec<Answer> {
-        let spans: Vec<Option<RaySpan>> =
-            rays.iter().map(|&(o, d)| self.solid.bounds().ray_span(o, d)).collect();
+        let spans: Vec<Option<RaySpan>> = rays.iter().map(|&(o, d)| self.solid.ray_span(o, d)).collect();
         let to_trace: Vec<Ray> = rays
             .iter()
             .zip(&spans)
@@ -219,7 +222,7 @@ impl<'s> PreparedSolid<'s> {
             // A hair outside of the face, as far as brackets are wide.
             let hair = self.settings.tolerance * self.settings.size;
             let (before, behind) = (at(t) + side * hair * normal, at(t) - side * hair * normal);
-            Surface { part: 0, t, before, behind, cap: Some(normal) }
+            Surface { part: 0, t, before, behind, cap: Some(normal), gradient_place: at(t) }
         };
         let surface = match (outcome.hit, span) {
             (_, Some(span)) if outcome.starts_inside && capped && span.enter > 0.0 => {
@@ -227,7 +230,10 @@ impl<'s> PreparedSolid<'s> {
             }
             (Some(hit), _) => {
                 let behind = at(hit.after + (hit.after - hit.before));
-                Some(Surface { part: 0, t: hit.t, before: at(hit.before), behind, cap: None })
+                let before = at(hit.before);
+                let hair = self.settings.tolerance * self.settings.size;
+                let gradient_place = if hit.touching { at(hit.t - hair) } else { 0.5 * (before + behind) };
+                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, gradient_place })
             }
             (None, Some(span)) if outcome.ends_inside && capped && ray.end >= span.exit => {
                 Some(cap(span.exit, span.exit_normal, -1.0))
@@ -237,31 +243,23 @@ impl<'s> PreparedSolid<'s> {
         Answer { surface, certificate: outcome.certificate, cost: outcome.cost }
     }
 
-    /// A normal where there is no gradient: a jump, or a point where the field is flat. The signs around the place
-    /// tell where outside is.
+    /// A normal where there is no gradient; towards the eye if there is none at all. Around an edge it may be that of a
+    /// face on the other side: then it is mirrored, since its opposite would point into the solid.
     fn probe_normal(
         &self,
         points: &mut Workspace<F64, Points>,
         surface: &Surface,
         direction: DVec3,
     ) -> DVec3 {
-        let reach = 1e-4 * self.settings.size;
-        let around: [DVec3; 26] = std::array::from_fn(|i| {
-            let i = if i < 13 { i } else { i + 1 };
-            let digit = |place: usize| (i / place % 3) as f64 - 1.0;
-            DVec3::new(digit(1), digit(3), digit(9)).normalize()
-        });
-        fill_points(points, around.iter().map(|&a| surface.middle() + reach * a));
-        points.run(&self.sign, around.len());
-        let values = points.output(0, 0);
-        let towards = |i: usize| if values[i] < 0.0 { -around[i] } else { around[i] };
-        (0..around.len()).map(towards).sum::<DVec3>().try_normalize().unwrap_or(-direction)
+        let (tape, size) = (&self.sign, self.settings.size);
+        let normal = Probe { points, tape, place: surface.middle(), size }.normal().unwrap_or(-direction);
+        normal - 2.0 * normal.dot(direction).max(0.0) * direction
     }
 }
 
 fn trace_settings(scene: &Scene, solid: &Solid, black_box: bool) -> Settings {
     let size = solid.bounds().longest_side();
-    let mut settings = Settings::new(size);
+    let mut settings = Settings { surface: solid.is_surface(), ..Settings::new(size) };
     let method = match scene.settings().method {
         // Nothing can be proved of a black box.
         _ if black_box => Method::Sampled { step: None },

@@ -129,15 +129,15 @@ impl Tile {
     }
 }
 
+/// How many tiles are done before their pixels are put on the film: what is on the way takes little memory, and the
+/// cores seldom wait for each other.
+const BAND: usize = 4096;
+
+/// About how many samples are taken before they are summed up.
+const SAMPLES_TOGETHER: usize = 4096;
+
 /// A pixel with its place.
 type Placed = (u32, u32, Pixel);
-
-/// What is needed of a pixel to tell where edges are.
-#[derive(Clone, Copy, Debug)]
-struct Centre {
-    pixel: Pixel,
-    colour: DVec3,
-}
 
 /// The picture; `None` if the work was cancelled.
 fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
@@ -146,23 +146,23 @@ fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
     let passes = if scene.settings().samples > 1 { 2 } else { 1 };
     let painter = Painter { tiles: Tile::all(width, height), passes, done: AtomicUsize::new(0), options };
     let mut stats = Stats::default();
-    let mut centres =
-        vec![Centre { pixel: Pixel::MISS, colour: DVec3::ZERO }; width as usize * height as usize];
-    let first = painter.pass(&mut stats, |asker, tile| look_through_centres(&prepared, asker, tile))?;
-    for (tile, list) in painter.tiles.iter().zip(first) {
-        for ((x, y), centre) in tile.pixels().zip(list) {
-            stats.count(&centre.pixel);
-            centres[(y * width + x) as usize] = centre;
+    let mut film = Film::new(width, height);
+    for band in painter.bands() {
+        let done =
+            painter.work(band, &mut stats, |asker, tile| look_through_centres(&prepared, asker, tile))?;
+        for (x, y, pixel) in done.iter().flatten() {
+            stats.count(pixel);
+            film.set(*x, *y, pixel);
         }
     }
-    let mut film = Film::new(width, height);
-    for (i, centre) in centres.iter().enumerate() {
-        film.set(i as u32 % width, i as u32 / width, &centre.pixel);
-    }
     if passes == 2 {
-        let second =
-            painter.pass(&mut stats, |asker, tile| refine_edges(&prepared, asker, tile, &centres))?;
-        second.iter().flatten().for_each(|(x, y, pixel)| film.set(*x, *y, pixel));
+        let edges = edges(&film);
+        for band in painter.bands() {
+            let seen = Seen { film: &film, edges: &edges };
+            let done =
+                painter.work(band, &mut stats, |asker, tile| refine_edges(&prepared, asker, tile, &seen))?;
+            done.iter().flatten().for_each(|(x, y, pixel)| film.set(*x, *y, pixel));
+        }
     }
     Some(Rendered { film, stats })
 }
@@ -177,15 +177,19 @@ struct Painter<'o> {
 }
 
 impl Painter<'_> {
-    /// Works on all tiles; the results come in the order of the tiles, whoever is done first. `None` if the work was
-    /// cancelled.
-    fn pass<T: Send>(
+    fn bands(&self) -> impl Iterator<Item = &[Tile]> {
+        self.tiles.chunks(BAND)
+    }
+
+    /// Works on the tiles of a band; the results come in the order of the tiles, whoever is done first. `None` if the
+    /// work was cancelled.
+    fn work(
         &self,
+        band: &[Tile],
         stats: &mut Stats,
-        work: impl Fn(&mut Asker, Tile) -> T + Sync,
-    ) -> Option<Vec<T>> {
-        let results: Option<Vec<(T, Spent)>> = self
-            .tiles
+        work: impl Fn(&mut Asker, Tile) -> Vec<Placed> + Sync,
+    ) -> Option<Vec<Vec<Placed>>> {
+        let results: Option<Vec<(Vec<Placed>, Spent)>> = band
             .par_iter()
             .map_init(Asker::default, |asker, &tile| {
                 if self.options.is_cancelled() {
@@ -197,7 +201,7 @@ impl Painter<'_> {
                 Some((result, spent.end(asker)))
             })
             .collect();
-        let unpack = |(result, spent): (T, Spent)| {
+        let unpack = |(result, spent): (Vec<Placed>, Spent)| {
             spent.add_to(stats);
             result
         };
@@ -244,11 +248,11 @@ impl Stats {
     }
 }
 
-fn look_through_centres(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile) -> Vec<Centre> {
+fn look_through_centres(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile) -> Vec<Placed> {
     let rays: Vec<_> =
         tile.pixels().map(|(x, y)| prepared.scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5)).collect();
     let samples = radiance(prepared, asker, &rays);
-    samples.iter().map(|s| Centre { pixel: to_pixel(s), colour: s.colour }).collect()
+    tile.pixels().zip(&samples).map(|((x, y), sample)| (x, y, to_pixel(sample))).collect()
 }
 
 fn to_pixel(sample: &Sample) -> Pixel {
@@ -269,51 +273,81 @@ fn to_pixel(sample: &Sample) -> Pixel {
     }
 }
 
-/// More samples for the pixels of a tile that differ from a neighbour.
-fn refine_edges(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile, centres: &[Centre]) -> Vec<Placed> {
-    let (width, height) = prepared.scene.settings().size;
-    let extra = prepared.scene.settings().samples as usize - 1;
-    let at = |x: u32, y: u32| &centres[(y * width + x) as usize];
-    let edges: Vec<(u32, u32)> = tile
-        .pixels()
-        .filter(|&(x, y)| {
+/// What the first pass saw.
+struct Seen<'f> {
+    /// Pixels of later bands are as seen through their centres.
+    film: &'f Film,
+    /// Which pixels differ from a neighbour, row by row.
+    edges: &'f [bool],
+}
+
+/// Which pixels differ from one of their eight neighbours, row by row.
+fn edges(film: &Film) -> Vec<bool> {
+    let (width, height) = (film.width(), film.height());
+    let mut edges = vec![false; width as usize * height as usize];
+    edges.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
+        for (is_edge, x) in row.iter_mut().zip(0..width) {
             let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
             let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-            let around = (above..=below).flat_map(|v| (left..=right).map(move |u| (u, v)));
-            around.into_iter().any(|(u, v)| differ(at(x, y), at(u, v)))
-        })
+            let Some(here) = film.pixel(x, y) else { continue };
+            let differs = |u, v| film.pixel(u, v).is_some_and(|there| differ(&here, &there));
+            *is_edge = (above..=below).any(|v| (left..=right).any(|u| differs(u, v)));
+        }
+    });
+    edges
+}
+
+/// More samples for the pixels of a tile that differ from a neighbour.
+fn refine_edges(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile, seen: &Seen<'_>) -> Vec<Placed> {
+    let width = seen.film.width() as usize;
+    let is_edge = |x: u32, y: u32| seen.edges[y as usize * width + x as usize];
+    let edges: Vec<Placed> = tile
+        .pixels()
+        .filter(|&(x, y)| is_edge(x, y))
+        .filter_map(|(x, y)| seen.film.pixel(x, y).map(|pixel| (x, y, pixel)))
         .collect();
+    let extra = prepared.scene.settings().samples as usize - 1;
+    let some = (SAMPLES_TOGETHER / extra).max(1);
+    edges.chunks(some).flat_map(|edges| refine(prepared, asker, edges, extra)).collect()
+}
+
+/// So many more samples for each pixel.
+fn refine(prepared: &Prepared<'_>, asker: &mut Asker, edges: &[Placed], extra: usize) -> Vec<Placed> {
     let rays: Vec<_> = edges
         .iter()
-        .flat_map(|&(x, y)| (1..=extra).map(move |i| (x, y, place_in_pixel(i))))
+        .flat_map(|&(x, y, _)| (1..=extra).map(move |i| (x, y, place_in_pixel(i))))
         .map(|(x, y, (u, v))| prepared.scene.ray(f64::from(x) + u, f64::from(y) + v))
         .collect();
     let samples = radiance(prepared, asker, &rays);
     edges
         .iter()
         .zip(samples.chunks(extra))
-        .map(|(&(x, y), samples)| {
-            let centre = at(x, y);
+        .map(|(&(x, y, centre), samples)| {
             let covered = samples.iter().filter(|s| s.answer.surface.is_some()).count() as f64;
             let weight = 1.0 / (extra + 1) as f64;
-            let colour = (centre.colour + samples.iter().map(|s| s.colour).sum::<DVec3>()) * weight;
-            let alpha = (f64::from(centre.pixel.alpha) + covered) * weight;
-            (x, y, Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..centre.pixel })
+            let colour = (colour(&centre) + samples.iter().map(|s| s.colour).sum::<DVec3>()) * weight;
+            let alpha = (f64::from(centre.alpha) + covered) * weight;
+            (x, y, Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..centre })
         })
         .collect()
 }
 
+fn colour(pixel: &Pixel) -> DVec3 {
+    DVec3::from_array(pixel.colour.map(f64::from))
+}
+
 /// Whether an edge runs between two neighbours: of a solid, a part, a crease, or light.
-fn differ(a: &Centre, b: &Centre) -> bool {
-    if a.pixel.part != b.pixel.part {
+fn differ(a: &Pixel, b: &Pixel) -> bool {
+    if a.part != b.part {
         return true;
     }
-    if a.pixel.part < 0.0 {
+    if a.part < 0.0 {
         return false;
     }
-    let normals: f32 = a.pixel.normal.iter().zip(b.pixel.normal).map(|(p, q)| p * q).sum();
-    let brightest = a.colour.max(b.colour) + DVec3::splat(0.02);
-    normals < 0.9 || ((a.colour - b.colour).abs() / brightest).max_element() > 0.15
+    let normals: f32 = a.normal.iter().zip(b.normal).map(|(p, q)| p * q).sum();
+    let (a, b) = (colour(a), colour(b));
+    let brightest = a.max(b) + DVec3::splat(0.02);
+    normals < 0.9 || ((a - b).abs() / brightest).max_element() > 0.15
 }
 
 /// The place of sample `i` in a pixel: the first in its centre, the others evenly around it (Roberts 2018).

@@ -179,6 +179,30 @@ fn the_shadow_of_a_ball_on_a_plane_is_exact() {
     }
 }
 
+/// max(z, z − √(½ − z)) is the half-space z < 0, and undefined above z = ½, where all light comes through.
+#[test]
+fn light_arrives_through_places_without_a_value() {
+    let field = field(|g| {
+        let [_, _, z] = point(g);
+        let half = g.constant(0.5);
+        let room = g.sub(half, z);
+        let root = g.sqrt(room);
+        let lower = g.sub(z, root);
+        g.max(z, lower)
+    });
+    let sun = Light::directional(DVec3::new(0.3, 0.2, 1.0), DVec3::ONE).expect("the light is sound");
+    let lighting = Lighting { lights: vec![sun], ..dark() };
+    let solid = Solid::new(field, Bindings::new(), cube(1.0));
+    let (_, rendered) = draw(vec![solid], perspective(DVec3::new(0.0, -5.0, 4.0)), lighting, Method::Affine);
+    let on_top = pixels(&rendered.film).filter(|(.., p)| p.depth.is_finite() && p.normal[2] > 0.9999);
+    let seen = on_top.map(|(.., p)| {
+        assert!(p.colour[0] > 0.0, "{p:?}");
+        p.certificate
+    });
+    // They are seen through the same places.
+    assert!(seen.filter(|certificate| *certificate == 3.0).count() > 500);
+}
+
 /// What stands behind a lamp blocks nothing, however far the lamp is from other places.
 #[test]
 fn nothing_behind_a_lamp_casts_a_shadow() {
@@ -278,6 +302,32 @@ fn attributes_are_colours() {
         let seen = pixel.colour.map(|c| linear_to_srgb(f64::from(c)));
         assert!(seen.iter().zip(expected).all(|(s, e)| (s - e).abs() < 1e-6), "{seen:?} at {x}");
     }
+}
+
+/// −1 inside of a ball and 1 outside: a jump without a gradient anywhere.
+#[test]
+fn normals_at_jumps_come_from_signs() {
+    let jump = field(|g| {
+        let (ball, zero) = (ball(g, DVec3::ZERO, 1.0), g.constant(0.0));
+        let (inside, outside) = (g.constant(-1.0), g.constant(1.0));
+        let is_inside = g.lt(ball, zero);
+        g.select(is_inside, inside, outside)
+    });
+    let solid = Solid::new(jump, Bindings::new(), cube(1.2));
+    let eye = DVec3::new(2.0, -4.0, 1.5);
+    let (scene, rendered) = draw(vec![solid], perspective(eye), dark(), Method::Affine);
+    let mut hits = 0;
+    for (x, y, pixel) in pixels(&rendered.film).filter(|(.., p)| p.depth.is_finite()) {
+        let (origin, direction) = scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let place = origin + f64::from(pixel.depth) * direction;
+        let error = DVec3::from_array(pixel.normal.map(f64::from)) - place.normalize();
+        // A normal that points away from the eye would be turned.
+        if place.normalize().dot(direction) < -0.01 {
+            assert!(error.length() < 1e-3, "{error} at {place}");
+            hits += 1;
+        }
+    }
+    assert!(hits > 3000, "{hits}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Boxes along the axes.
 
+use crate::text::Number;
 use glam::DVec3;
 
 /// A box along the axes: finite, and longer than nothing along each of them.
@@ -13,7 +14,7 @@ pub struct Bounds {
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum BoundsError {
     /// A coordinate is infinite or not a number, or the extent between two is infinite.
-    #[error("the bounds are not finite along {axis}: from {min} to {max}")]
+    #[error("the bounds are not finite along {axis}: from {} to {}", Number(*min), Number(*max))]
     NotFinite {
         /// The first such axis: `x`, `y` or `z`.
         axis: char,
@@ -23,7 +24,7 @@ pub enum BoundsError {
         max: f64,
     },
     /// The lower end is not below the upper.
-    #[error("the bounds are empty along {axis}: from {min} to {max}")]
+    #[error("the bounds are empty along {axis}: from {} to {}", Number(*min), Number(*max))]
     Empty {
         /// The first such axis: `x`, `y` or `z`.
         axis: char,
@@ -45,6 +46,20 @@ pub struct RaySpan {
     pub enter_normal: DVec3,
     /// The outward normal of the face through which it leaves.
     pub exit_normal: DVec3,
+}
+
+impl RaySpan {
+    /// The part that lies in both; each end with the normal of whoever ends there. `None` if that is a point or less.
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
+        let (first, second) = (self.enter >= other.enter, self.exit <= other.exit);
+        let span = Self {
+            enter: if first { self.enter } else { other.enter },
+            exit: if second { self.exit } else { other.exit },
+            enter_normal: if first { self.enter_normal } else { other.enter_normal },
+            exit_normal: if second { self.exit_normal } else { other.exit_normal },
+        };
+        (span.enter < span.exit).then_some(span)
+    }
 }
 
 impl Bounds {
@@ -106,6 +121,11 @@ impl Bounds {
     /// The smallest box around two.
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The part that lies in both; `None` if that has no extent along an axis.
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
+        Self::new(self.min.max(other.min), self.max.min(other.max)).ok()
     }
 
     /// The part of the line origin + t·direction inside the box (faces included), over all t, negative ones too.
@@ -177,6 +197,20 @@ mod tests {
         assert_eq!(corners[7], slab.max());
         assert!(corners.iter().all(|&c| slab.contains(c)));
         assert!(!slab.contains(DVec3::new(1.0, 0.0, 0.49)));
+    }
+
+    #[test]
+    fn intersections() {
+        let cube = Bounds::new(DVec3::ZERO, DVec3::splat(9.0)).unwrap();
+        let both = slab().intersection(&cube).unwrap();
+        assert_eq!((both.min(), both.max()), (DVec3::new(0.0, 0.0, 0.5), DVec3::new(3.0, 2.0, 1.5)));
+        assert_eq!(slab().intersection(&Bounds::new(DVec3::splat(4.0), DVec3::splat(5.0)).unwrap()), None);
+        let origin = DVec3::new(-4.0, 1.0, 1.0);
+        let [a, b] = [slab(), cube].map(|b| b.ray_span(origin, DVec3::X).unwrap());
+        let span = a.intersection(&b).unwrap();
+        assert_eq!((span.enter, span.exit), (4.0, 7.0));
+        assert_eq!(Some(span), both.ray_span(origin, DVec3::X));
+        assert_eq!(a.intersection(&RaySpan { enter: 7.0, exit: 9.0, ..b }), None);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! right × forward. Image coordinates (u, v) run from (0, 0) at the upper left to (1, 1) at the lower right corner.
 
 use crate::bounds::Bounds;
+use crate::text::{Number, Point, degrees};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -35,7 +36,7 @@ pub enum Up {
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum CameraError {
     /// The eye or the target is not finite.
-    #[error("the camera cannot look from {eye} to {target}")]
+    #[error("the camera cannot look from {} to {}: the coordinates are too large, or no numbers", Point(*eye), Point(*target))]
     NotFinite {
         /// The eye.
         eye: DVec3,
@@ -43,10 +44,23 @@ pub enum CameraError {
         target: DVec3,
     },
     /// The eye is at the target.
-    #[error("the eye and the target are the same point, {0}")]
+    #[error("the eye and the target are the same point, {}", Point(*.0))]
     NoDirection(DVec3),
+    /// The eye is so far away that rays cannot be told from each other.
+    #[error(
+        "the camera cannot look from {}: from more than 10^12 times the size of the box ({}), rays through \
+         different pixels are the same in double precision",
+        Point(*eye),
+        Number(*size)
+    )]
+    TooFar {
+        /// The eye.
+        eye: DVec3,
+        /// The longest side of the box.
+        size: f64,
+    },
     /// The up vector is zero, not finite, or points along the view.
-    #[error("up ({up}) must not point along the view ({forward})")]
+    #[error("up {} must not be zero or point along the view {}", Point(*up), Point(*forward))]
     Up {
         /// The up vector that was asked for.
         up: DVec3,
@@ -54,10 +68,10 @@ pub enum CameraError {
         forward: DVec3,
     },
     /// The field of view is not between 0 and π.
-    #[error("a field of view lies between 0 and 180 degrees, not at {}", .0.to_degrees())]
+    #[error("a field of view lies between 0 and 180 degrees, not at {}", degrees(*.0))]
     FieldOfView(f64),
     /// The height of an orthographic image is not positive and finite.
-    #[error("the height of an orthographic image is a positive number, not {0}")]
+    #[error("the height of an orthographic image is a positive number, not {}", Number(*.0))]
     Height(f64),
 }
 
@@ -86,6 +100,10 @@ pub struct Camera {
 
 /// The field of view where nothing else decides.
 const DEFAULT_FOV: f64 = 30.0 / 180.0 * PI;
+
+/// How far a fixed eye may be from a box, in units of the longest side: pixels are some 10⁻³ of that, and directions are
+/// rounded to 10⁻¹⁶.
+const FARTHEST: f64 = 1e12;
 
 /// The largest field of view that is chosen to fit a box; an eye that would need more stands too close.
 const WIDEST_FITTED_FOV: f64 = 100.0 / 180.0 * PI;
@@ -177,7 +195,7 @@ impl Camera {
     /// From a fixed eye, the field of view is chosen so that the box fits.
     ///
     /// # Errors
-    /// See [`look_at`](Self::look_at). An up vector that `view` does not fix is never an error.
+    /// See [`look_at`](Self::look_at); an eye very far from the box. An up vector that `view` does not fix is never an error.
     pub fn framing(bounds: &Bounds, view: &View, up: Up, aspect: f64) -> Result<Self, CameraError> {
         let default_lens = Projection::Perspective { vertical_fov_radians: DEFAULT_FOV };
         let lens = view.projection.unwrap_or(default_lens).checked()?;
@@ -195,6 +213,10 @@ impl Camera {
             let fit = if centred { Self::fit_distance } else { Self::fit_position };
             return Ok(fit(camera, bounds, aspect));
         };
+        let size = bounds.longest_side();
+        if (eye - bounds.centre()).length() > FARTHEST * size {
+            return Err(CameraError::TooFar { eye, size });
+        }
         let camera = match view.up {
             Some(up) => Self::look_at(eye, target, up, lens)?,
             None => match Self::look_at(eye, target, up.axis(), lens) {

@@ -2,25 +2,29 @@
 //!
 //! A [`Scene`] is plain data about which nothing needs to be checked again:
 //! - there is at least one [`Solid`]; its [`Bounds`] are finite and have a positive extent along every axis;
+//! - a [`Ball`] that a solid is clipped to has a finite centre and a positive radius;
 //! - a solid that takes its colour from attributes has at least three of them;
 //! - the [`Camera`]'s axes are orthonormal, its field of view lies between 0 and π, its height is positive;
 //! - directions to [`Light`]s are unit vectors, colours are finite and not negative;
 //! - the image has at least one pixel and at most [`MAX_PIXELS`], and at least one sample a pixel;
-//! - steps and tolerances are finite and positive.
+//! - steps and tolerances are finite and positive, and steps at least [`MIN_STEP`].
 //!
 //! Colours are linear RGB throughout; [`srgb_to_linear`] and [`linear_to_srgb`] stand at the border. Space is
 //! right-handed, angles are radians, and image coordinates run from the upper left corner. The result is a [`Film`].
 
+mod ball;
 mod bounds;
 mod camera;
 mod colour;
 mod film;
 mod light;
 mod scene;
+mod text;
 
+pub use ball::{Ball, BallError};
 pub use bounds::{Bounds, BoundsError, RaySpan};
 pub use camera::{Camera, CameraError, Projection, Up, View};
 pub use colour::{Background, ColourSource, Material, MaterialError, Rgb, linear_to_srgb, srgb_to_linear};
 pub use film::{CHANNELS, Film, Pixel};
 pub use light::{Illumination, Light, LightError, LightSource, Lighting};
-pub use scene::{MAX_PIXELS, MAX_SAMPLES, Method, Scene, SceneError, Settings, Solid};
+pub use scene::{MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings, Solid};

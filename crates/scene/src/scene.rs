@@ -1,14 +1,22 @@
 //! The scene: solids, camera, light and settings.
 
-use crate::bounds::Bounds;
+use crate::ball::Ball;
+use crate::bounds::{Bounds, RaySpan};
 use crate::camera::Camera;
 use crate::colour::{ColourSource, Material, Rgb, srgb_to_linear};
 use crate::light::Lighting;
+use crate::text::Number;
 use fieldstone_field::{Bindings, Field};
 use glam::DVec3;
 
-/// The most pixels that an image may have: 2²⁶, about 3 GB of film.
+/// The most pixels that an image may have: 2²⁶, 8192 × 8192.
 pub const MAX_PIXELS: u64 = 1 << 26;
+
+/// What a pixel takes in memory while an image is drawn and written, in bytes: its layers, and a little more.
+const PIXEL_BYTES: u64 = 48;
+
+/// The shortest step of [`Method::Sampled`], relative to the longest side of the bounds: rays have up to 1.7 million.
+pub const MIN_STEP: f64 = 1e-6;
 
 /// The most samples that a pixel may have.
 pub const MAX_SAMPLES: u32 = 4096;
@@ -23,28 +31,50 @@ pub enum SceneError {
     #[error("a colour needs three attributes, the field has {0}")]
     Attributes(usize),
     /// The image has no pixel, or more than [`MAX_PIXELS`].
-    #[error("an image of {0}x{1} pixels is not between 1 and {MAX_PIXELS} pixels")]
+    #[error("an image of {0}x{1} pixels {fault}", fault = size_fault(*.0, *.1))]
     Size(u32, u32),
     /// No sample, or more than [`MAX_SAMPLES`].
     #[error("{0} samples a pixel are not between 1 and {MAX_SAMPLES}")]
     Samples(u32),
     /// A step or tolerance that is not finite and positive.
-    #[error("the {name} is a positive number, not {value}")]
+    #[error("the {name} is a positive number, not {}", Number(*value))]
     Length {
         /// Which it is: `step`, `accepted width` or `tolerance`.
         name: &'static str,
         /// What was asked for.
         value: f64,
     },
+    /// A step shorter than [`MIN_STEP`].
+    #[error(
+        "a step of {} of the longest side is too short: a ray has at most a million steps or so, \
+         each at least {MIN_STEP:?}",
+        Number(*.0)
+    )]
+    Step(f64),
 }
 
-/// A solid: where its field is negative, within its bounds.
+fn size_fault(width: u32, height: u32) -> String {
+    let pixels = u64::from(width) * u64::from(height);
+    let gigabytes = |pixels: u64| pixels.saturating_mul(PIXEL_BYTES).div_ceil(1_000_000_000);
+    match pixels {
+        0 => "has none".to_owned(),
+        _ => format!(
+            "needs {} GB of memory: at most {MAX_PIXELS} pixels ({} GB) are drawn",
+            gigabytes(pixels),
+            gigabytes(MAX_PIXELS)
+        ),
+    }
+}
+
+/// A solid: where its field is negative, within its bounds; or a surface without an inside: where its field is 0.
 #[derive(Clone, Debug)]
 pub struct Solid {
     field: Field,
     bindings: Bindings,
     bounds: Bounds,
+    clip_ball: Option<Ball>,
     capped: bool,
+    surface: bool,
     material: Material,
     colour_source: ColourSource,
 }
@@ -55,13 +85,33 @@ impl Solid {
     /// `bindings` hold the values of all inputs but the first three coordinates.
     pub fn new(field: Field, bindings: Bindings, bounds: Bounds) -> Self {
         let (material, colour_source) = (Material::default(), ColourSource::Material);
-        Self { field, bindings, bounds, capped: true, material, colour_source }
+        Self {
+            field,
+            bindings,
+            bounds,
+            clip_ball: None,
+            capped: true,
+            surface: false,
+            material,
+            colour_source,
+        }
     }
 
     /// Whether the bounds cut the solid (capped: what is inside ends there with a face) or a window on it (open: one
     /// looks into it where it is cut).
     pub fn with_caps(self, capped: bool) -> Self {
         Self { capped, ..self }
+    }
+
+    /// Whether it is a surface without an inside: the places where the field is 0, seen from both sides, those where it
+    /// does not change its sign too. Bounds end it and close nothing.
+    pub fn with_surface(self, surface: bool) -> Self {
+        Self { surface, ..self }
+    }
+
+    /// A ball outside of which nothing is drawn: like the bounds it cuts the solid, or is a window on it.
+    pub fn with_clip_ball(self, clip_ball: Option<Ball>) -> Self {
+        Self { clip_ball, ..self }
     }
 
     /// Another material.
@@ -96,9 +146,28 @@ impl Solid {
         &self.bounds
     }
 
-    /// Whether the bounds cut the solid; see [`with_caps`](Self::with_caps).
+    /// The ball that it is clipped to, if there is one.
+    pub fn clip_ball(&self) -> Option<&Ball> {
+        self.clip_ball.as_ref()
+    }
+
+    /// The part of the line origin + t·direction on which it may be seen, over all t: inside the bounds and the ball.
+    pub fn ray_span(&self, origin: DVec3, direction: DVec3) -> Option<RaySpan> {
+        let span = self.bounds.ray_span(origin, direction)?;
+        match &self.clip_ball {
+            None => Some(span),
+            Some(ball) => ball.ray_span(origin, direction)?.intersection(&span),
+        }
+    }
+
+    /// Whether the bounds cut the solid; see [`with_caps`](Self::with_caps). They never cut a surface.
     pub fn is_capped(&self) -> bool {
-        self.capped
+        self.capped && !self.surface
+    }
+
+    /// Whether it is a surface without an inside; see [`with_surface`](Self::with_surface).
+    pub fn is_surface(&self) -> bool {
+        self.surface
     }
 
     /// What its surface is made of.
@@ -183,7 +252,10 @@ impl Settings {
                 _ => {}
             }
         }
-        Ok(())
+        match self.method {
+            Method::Sampled { step: Some(step) } if step < MIN_STEP => Err(SceneError::Step(step)),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -289,9 +361,20 @@ mod tests {
         let length = |name, value| Err(SceneError::Length { name, value });
         assert_eq!(with(|s| s.tolerance = Some(0.0)), length("tolerance", 0.0));
         assert_eq!(with(|s| s.method = Method::Sampled { step: Some(-1.0) }), length("step", -1.0));
+        assert_eq!(with(|s| s.method = Method::Sampled { step: Some(1e-12) }), Err(SceneError::Step(1e-12)));
         let epsilon = Method::Interval { accept_epsilon: Some(f64::INFINITY) };
         let refused = scene(Settings { method: epsilon, ..Settings::default() }).map(|_| ());
         assert_eq!(refused, length("accepted width", f64::INFINITY));
+    }
+
+    #[test]
+    fn sizes_name_their_need() {
+        let message = |width, height| SceneError::Size(width, height).to_string();
+        assert_eq!(message(0, 5), "an image of 0x5 pixels has none");
+        let needs =
+            "an image of 65536x65536 pixels needs 207 GB of memory: at most 67108864 pixels (4 GB) are drawn";
+        assert_eq!(message(65536, 65536), needs);
+        assert!(message(u32::MAX, u32::MAX).contains("GB"));
     }
 
     #[test]

@@ -239,7 +239,8 @@ impl Bundle<'_> {
                 None => outcome.starts_inside = inside,
                 Some(before) if before != inside => {
                     let t = part.start;
-                    outcome.hit = Some(Hit { t, before: t, after: t, entering: inside, jump: false });
+                    outcome.hit =
+                        Some(Hit { t, before: t, after: t, entering: inside, jump: false, touching: false });
                     outcome.ends_inside = false;
                     outcome.certificate = outcome.certificate.max(Certificate::Tolerance);
                     return false;

@@ -7,6 +7,7 @@
 
 mod bundle;
 mod march;
+mod minimiser;
 mod ray;
 mod sampled;
 mod solver;

@@ -5,15 +5,19 @@
 //! excluded is clipped by its slope and shortened; one that is short enough has the signs at its ends compared. Where
 //! they differ, a bracketed solve finds a *candidate*, and the march goes on in what lies before it: only when that is
 //! excluded too is the candidate the certified first hit, because a short bracket with a sign change may hide two more
-//! roots.
+//! roots. For surfaces without an inside, [`touch`] finds the places where the sign does not change.
 //!
 //! Sources: slope clipping from Gamito and Maddock 2007, the stackless dichotomy from Knoll et al. 2009 with whole
 //! numbers in place of the floating-point modulus. Differences: outward rounding everywhere, candidates, certificates
 //! for misses.
 
+mod touch;
+
 use crate::ray::{Certificate, Hit, Method, Outcome, Ray, Settings};
 use crate::solver::Solver;
 use fieldstone_field::{Affines, F64, Intervals, LANES, Points, Tape, Workspace};
+pub(crate) use touch::rounding;
+use touch::{Probe, Search, Searched};
 
 /// A span at most this long, relative to the size, has the signs at its ends compared.
 const ACCEPT: f64 = 1.0 / 256.0;
@@ -61,6 +65,11 @@ impl Span {
         self.lo.is_nan()
     }
 
+    /// Whether the field is 0 all along.
+    fn is_zero(&self) -> bool {
+        self.lo == 0.0 && self.hi == 0.0
+    }
+
     /// The part of \[a, b\] that zeros are confined to; empty if they are excluded.
     fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
         if self.excludes_zero() {
@@ -101,6 +110,10 @@ enum Wish {
     Ends { a: f64, b: f64 },
     /// A value for its solve.
     Solve(Solver),
+    /// A value for its search of a touching point.
+    Search(Search),
+    /// The field over a single place.
+    Probe(Probe),
     /// Nothing more.
     Done,
 }
@@ -117,6 +130,8 @@ struct Lane {
     inside: bool,
     candidate: Option<Hit>,
     certificate: Certificate,
+    /// What has been searched for touching points.
+    searched: Searched,
     cost: u32,
     /// In how many spans loops did not end.
     endless: u32,
@@ -145,8 +160,8 @@ impl Marcher {
         let mut values = Vec::with_capacity(LANES);
         while !lanes.is_empty() {
             self.evaluate_spans(tape, settings, &lanes, &mut spans);
-            let wants_span = lanes.iter_mut().filter(|l| matches!(l.wish, Wish::Span));
-            wants_span.zip(&spans).for_each(|(lane, span)| lane.take_span(span, settings));
+            let wants_span = lanes.iter_mut().filter(|l| l.wanted_span().is_some());
+            wants_span.zip(&spans).for_each(|(lane, span)| lane.take_field(span, settings));
             self.evaluate_points(tape, &lanes, &mut values);
             let mut given = values.iter().copied();
             lanes.iter_mut().for_each(|lane| lane.take_values(&mut given, settings));
@@ -172,9 +187,11 @@ impl Marcher {
         spans.clear();
         let affine = matches!(settings.method, Method::Affine);
         let mut count = 0;
-        for lane in lanes.iter().filter(|l| matches!(l.wish, Wish::Span)) {
-            self.fill_span(affine, lane, count);
-            count += 1;
+        for lane in lanes {
+            if let Some(span) = lane.wanted_span() {
+                self.fill_span(affine, &lane.job.ray, span, count);
+                count += 1;
+            }
         }
         if count == 0 {
             return;
@@ -206,11 +223,10 @@ impl Marcher {
         }
     }
 
-    /// Writes the coordinates along the span of a lane where the evaluation reads them.
-    fn fill_span(&mut self, affine: bool, lane: &Lane, place: usize) {
-        let (a, b) = lane.span();
+    /// Writes the coordinates along a span of a ray where the evaluation reads them.
+    fn fill_span(&mut self, affine: bool, ray: &Ray, (a, b): (f64, f64), place: usize) {
         for axis in 0..3 {
-            let form = coordinate(&lane.job.ray, axis, a, b);
+            let form = coordinate(ray, axis, a, b);
             if affine {
                 let parts = [form.centre, form.slope, form.error, form.lo, form.hi];
                 for (component, part) in parts.into_iter().enumerate() {
@@ -279,6 +295,7 @@ impl Lane {
             inside: job.inside.unwrap_or(false),
             candidate: None,
             certificate: Certificate::Certified,
+            searched: Searched::NOTHING,
             cost: 0,
             endless: 0,
         }
@@ -286,9 +303,11 @@ impl Lane {
 
     fn outcome(&self) -> Outcome {
         let starts_inside = self.inside;
+        let touching = self.candidate.is_some_and(|hit| hit.touching);
+        let least = if touching { Certificate::Tolerance } else { Certificate::Certified };
         Outcome {
             hit: self.candidate,
-            certificate: self.certificate,
+            certificate: self.certificate.max(least),
             cost: self.cost,
             starts_inside,
             ends_inside: starts_inside && self.candidate.is_none(),
@@ -304,6 +323,15 @@ impl Lane {
                 let a = self.job.ray.start + cell * index as f64;
                 (a.max(self.front), (a + cell).min(self.end))
             }
+        }
+    }
+
+    /// Where the field is asked for next, over sets.
+    fn wanted_span(&self) -> Option<(f64, f64)> {
+        match self.wish {
+            Wish::Span => Some(self.span()),
+            Wish::Probe(ref probe) => Some(probe.wanted_span()),
+            _ => None,
         }
     }
 
@@ -356,6 +384,13 @@ impl Lane {
         base * coarser * settings.size
     }
 
+    fn take_field(&mut self, field: &Span, settings: &Settings) {
+        match self.wish {
+            Wish::Probe(probe) => self.take_probe(probe, field, settings),
+            _ => self.take_span(field, settings),
+        }
+    }
+
     /// The shortest span that is still looked at where the field may be undefined, relative to the size. Loops that do
     /// not end cost all the turns that they may take: there it is long, and doubles with every fourth such span.
     fn undefined_floor(&self, endless: bool) -> f64 {
@@ -369,12 +404,19 @@ impl Lane {
         if stop <= start {
             return self.advance(stop.max(self.front), settings.size);
         }
+        if span.is_zero() && settings.surface {
+            return self.touch(start, start);
+        }
+        if span.is_zero() && !self.inside {
+            self.doubt(Certificate::Undecided);
+            return self.advance(stop, GROWTH * (stop - start));
+        }
         let Some((a, b)) = span.clip(start, stop) else {
             return self.advance(stop, GROWTH * (stop - start));
         };
         let width = b - a;
         if let Method::Interval { accept_epsilon: Some(epsilon) } = settings.method {
-            if width <= epsilon {
+            if width <= epsilon.max(self.floor(settings)) {
                 self.accept(a, b);
             } else {
                 self.refine((start, stop), (a, b));
@@ -393,7 +435,8 @@ impl Lane {
     /// Takes a span for a hit as it is.
     fn accept(&mut self, a: f64, b: f64) {
         let t = 0.5 * (a + b);
-        self.candidate = Some(Hit { t, before: a, after: b, entering: !self.inside, jump: false });
+        let entering = !self.inside;
+        self.candidate = Some(Hit { t, before: a, after: b, entering, jump: false, touching: false });
         self.doubt(Certificate::Tolerance);
         self.wish = Wish::Done;
     }
@@ -403,7 +446,8 @@ impl Lane {
             Wish::Start => ([self.job.ray.start, 0.0], 1),
             Wish::Ends { a, b } => ([a, b], 2),
             Wish::Solve(ref solver) => solver.wants().map_or(([0.0; 2], 0), |t| ([t, 0.0], 1)),
-            Wish::Span | Wish::Done => ([0.0; 2], 0),
+            Wish::Search(ref search) => search.wants().map_or(([0.0; 2], 0), |t| ([t, 0.0], 1)),
+            Wish::Span | Wish::Probe(_) | Wish::Done => ([0.0; 2], 0),
         }
     }
 
@@ -435,38 +479,64 @@ impl Lane {
                 solver.supply(self.defined(value));
                 self.continue_solve(solver, settings);
             }
-            Wish::Span | Wish::Done => {}
+            Wish::Search(search) => self.take_minimum(search, next(), settings),
+            Wish::Span | Wish::Probe(_) | Wish::Done => {}
         }
+    }
+
+    /// Whether a value lies on the other side of the surface than the front. 0 itself counts as outside of a solid; a
+    /// surface has it on neither side.
+    fn is_across(&self, value: f64, settings: &Settings) -> bool {
+        (value < 0.0) != self.inside && !(settings.surface && value == 0.0)
     }
 
     fn compare_ends(&mut self, near: (f64, f64), far: (f64, f64), settings: &Settings) {
         let undefined = near.1.is_nan() || far.1.is_nan();
         let (fa, fb) = (self.defined(near.1), self.defined(far.1));
         let (start, stop) = self.span();
-        if (fb < 0.0) != self.inside && (fa < 0.0) == self.inside {
+        if self.is_across(fb, settings) && !self.is_across(fa, settings) {
             if settings.any_hit {
                 return self.accept(near.0, far.0);
             }
             let solver = Solver::new((near.0, fa), (far.0, fb), settings.tolerance * settings.size);
             return self.continue_solve(solver, settings);
         }
-        if (fa < 0.0) != self.inside {
+        if self.is_across(fa, settings) {
             // The front itself lies on the surface, as far as values can tell.
             self.settle([(near.0, fa), (near.0, fa)], settings);
             return;
         }
-        let width = far.0 - near.0;
-        let floor = self.floor(settings);
-        // A clipped part is looked at once more: it may well be excluded as a span of its own.
-        if undefined || stop - start <= floor {
-            let fuel_spent = self.cost > FUEL;
-            self.doubt(if undefined || fuel_spent { Certificate::Undecided } else { Certificate::Tolerance });
-            let length = if undefined { width } else { (4.0 * width).max(floor) };
-            // A clipped span ends before its cell does.
-            let to = if matches!(self.walk, Walk::Dyadic { .. }) { stop } else { far.0 };
-            return self.advance(to, length);
+        if fa == 0.0 && fb == 0.0 && !settings.surface {
+            // All of it may well be 0, and no shorter span will tell.
+            self.doubt(Certificate::Undecided);
+            return self.pass(far.0, GROWTH * (stop - start));
         }
-        self.refine((start, stop), (near.0, far.0));
+        if settings.surface && !undefined {
+            return self.look_for_touch((near.0, fa), (far.0, fb), settings);
+        }
+        // A clipped part is looked at once more: it may well be excluded as a span of its own.
+        if undefined {
+            self.doubt(Certificate::Undecided);
+            self.pass(far.0, far.0 - near.0);
+        } else if stop - start <= self.floor(settings) {
+            self.pass_over((near.0, far.0), settings);
+        } else {
+            self.refine((start, stop), (near.0, far.0));
+        }
+    }
+
+    /// Goes on behind the part \[a, b\] of the shortest span, which could not be excluded.
+    fn pass_over(&mut self, (a, b): (f64, f64), settings: &Settings) {
+        let fuel_spent = self.cost > FUEL;
+        self.doubt(if fuel_spent { Certificate::Undecided } else { Certificate::Tolerance });
+        self.pass(b, (4.0 * (b - a)).max(self.floor(settings)));
+    }
+
+    /// Goes on behind `end`, where a part ends that could not be excluded, with a span of this length.
+    fn pass(&mut self, end: f64, length: f64) {
+        // A clipped span ends before its cell does.
+        let to = if matches!(self.walk, Walk::Dyadic { .. }) { self.span().1 } else { end };
+        self.advance(to, length);
     }
 
     fn continue_solve(&mut self, solver: Solver, settings: &Settings) {
@@ -486,8 +556,14 @@ impl Lane {
         let before = near.0.min(t - width);
         // Continuous fields are nearly 0 at both ends of so short a bracket.
         let jump = near.1.abs().min(far.1.abs()) > 1e-3 && far.0 - near.0 <= width;
-        self.candidate = Some(Hit { t, before, after: far.0, entering: !self.inside, jump });
-        self.end = before;
+        let entering = !self.inside;
+        self.make_candidate(Hit { t, before, after: far.0, entering, jump, touching: false });
+    }
+
+    /// Takes a hit for the first, and looks at what lies before it.
+    fn make_candidate(&mut self, hit: Hit) {
+        self.candidate = Some(hit);
+        self.end = hit.before;
         if let Walk::Front { length } = &mut self.walk {
             *length = self.end - self.front;
         }

@@ -57,6 +57,9 @@ pub struct Hit {
     pub entering: bool,
     /// Whether the sign changes without a root: a jump or a pole.
     pub jump: bool,
+    /// Whether the field touches 0 there without a change of sign, as far as rounding lets one tell; only for
+    /// surfaces ([`Settings::surface`]). Such a hit is a [`Certificate::Tolerance`] at best.
+    pub touching: bool,
 }
 
 /// What was found along a ray.
@@ -117,12 +120,22 @@ pub struct Settings {
     pub caps: bool,
     /// Whether any crossing will do, as for shadows: it is not located closely, and what lies before it is not proved.
     pub any_hit: bool,
+    /// Whether every place where the field is 0 counts, those where it does not change its sign too, as on the squared
+    /// equation of a surface. If not, only changes of sign do.
+    pub surface: bool,
 }
 
 impl Settings {
     /// The affine method with the default tolerance.
     pub fn new(size: f64) -> Self {
-        Self { method: Method::Affine, size, tolerance: Self::TOLERANCE, caps: false, any_hit: false }
+        Self {
+            method: Method::Affine,
+            size,
+            tolerance: Self::TOLERANCE,
+            caps: false,
+            any_hit: false,
+            surface: false,
+        }
     }
 
     /// The default width of the final bracket, relative to the size: 2⁻³⁰.

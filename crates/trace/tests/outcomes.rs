@@ -158,6 +158,51 @@ fn flat_and_undefined_fields_are_empty_and_end() {
     }
 }
 
+/// Fields that are 0 all over, whether intervals know it (0, max(x, 0)) or not (x − x, 0·x).
+#[test]
+fn zeros_cost_little() {
+    let fields = [
+        field(|g, _| g.constant(0.0)),
+        field(|g, [x, ..]| {
+            let zero = g.constant(0.0);
+            g.max(x, zero)
+        }),
+        field(|g, [x, y, _]| {
+            let (sum, difference) = (g.add(x, y), g.sub(x, y));
+            let (a, b) = (g.mul(sum, difference), g.mul(difference, sum));
+            g.sub(a, b)
+        }),
+        field(|g, [x, ..]| {
+            let zero = g.constant(0.0);
+            g.mul(zero, x)
+        }),
+    ];
+    for f in fields {
+        for settings in &methods()[..2] {
+            let back = Ray { origin: [3.0, 0.1, 0.2], direction: [-1.0, 0.0, 0.0], start: 0.0, end: 6.0 };
+            let outcome = first_hit(&f, back, settings);
+            assert!(outcome.hit.is_none() && outcome.certificate == Certificate::Undecided, "{outcome:?}");
+            assert!(outcome.cost < 2500, "{outcome:?}");
+        }
+    }
+}
+
+/// Steps that do not even move a place in double precision: the ray ends all the same, and says so.
+#[test]
+fn tiny_steps_end_undecided() {
+    let settings = Settings { method: Method::Sampled { step: 1e-17 }, ..Settings::new(6.0) };
+    let outcome = first_hit(&ball(), along_x(0.0), &settings);
+    assert!(outcome.hit.is_none() && outcome.certificate == Certificate::Undecided, "{outcome:?}");
+}
+
+/// Widths that no span of a ray can have: the smallest counts.
+#[test]
+fn tiny_accepted_widths_end() {
+    let method = Method::Interval { accept_epsilon: Some(1e-300) };
+    let outcome = first_hit(&ball(), along_x(0.0), &Settings { method, ..Settings::new(6.0) });
+    assert!(outcome.hit.is_some_and(|hit| (hit.t - 2.0).abs() < 1e-6), "{outcome:?}");
+}
+
 #[test]
 fn black_boxes_are_undecided() {
     let ball = Field::from_fn(|p| p.iter().map(|c| c * c).sum::<f64>() - 1.0);

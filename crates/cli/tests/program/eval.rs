@@ -56,6 +56,49 @@ fn fixed_coordinates_leave_the_table() {
 }
 
 #[test]
+fn empty_lines_stay_empty() {
+    let run = Place::new().run(&["eval", "-e", "x"], "\n1 0 0\n2 0 0\n \t\n\n3 0 0\n");
+    assert_eq!((run.code, run.out.as_str()), (0, "\n1\n2\n\n\n3\n"));
+    // Without coordinates every line is the same point.
+    let run = Place::new().run(&["eval", "-e", "x", "--coord=1=7", "--coord=2=0", "--coord=3=0"], "\n\n");
+    assert_eq!((run.code, run.out.as_str()), (0, "7\n7\n"));
+}
+
+#[test]
+fn time_is_an_option() {
+    for (time, value) in [("2.5", "5\n"), ("-.5", "-1\n")] {
+        let run = Place::new().run(&["eval", "-e", "2*t + x", "--time", time], "0 0 0\n");
+        assert_eq!((run.code, run.out.as_str()), (0, value), "{}", run.err);
+    }
+    let run = Place::new().run(&["eval", "-e", "2*t + x", "--time", "inf"], "0 0 0\n");
+    assert_eq!(run.code, 2, "{}", run.err);
+}
+
+#[test]
+fn parameters_in_any_case_and_short_numbers() {
+    let place = Place::new();
+    place.file("ball.hf", ATTRIBUTES);
+    let run = place.run(&["eval", "ball.hf", "--param", "A[1]=-.5"], "0 0 0\n");
+    assert_eq!(run.code, 0, "{}", run.err);
+    let same = place.run(&["eval", "ball.hf", "--param", "a[1]=-0.5"], "0 0 0\n");
+    assert_eq!(run.out, same.out);
+}
+
+#[test]
+fn messages_of_models_say_what_they_are_once() {
+    let place = Place::new();
+    // A warning stands before the error in the text.
+    place.file("both.vm", "_0 var-x\n_0 var-y\n_1 nothing _0\n");
+    let run = place.run(&["check", "both.vm"], "");
+    assert_eq!(run.code, 1);
+    let heads: Vec<&str> =
+        run.err.lines().filter(|l| l.starts_with("error") || l.starts_with("warning")).collect();
+    assert_eq!(heads.len(), 2, "{}", run.err);
+    assert!(heads[0].starts_with("warning: ") && heads[1].starts_with("error: "), "{}", run.err);
+    assert!(!run.err.contains("error: warning") && !run.err.contains("error: error"), "{}", run.err);
+}
+
+#[test]
 fn undefined_is_a_word() {
     let run = Place::new().run(&["eval", "-e", "sqrt(x)"], "-1 0 0\n4 0 0\n");
     assert_eq!(run.out, "undefined\n2\n");
@@ -74,7 +117,6 @@ fn a_bad_line_is_named() {
     let cases = [
         ("0 0 0\n1 2\n", "line 2: a point has 3 coordinates here, not 2"),
         ("0 0 0\n1 2 3 4\n", "line 2: a point has 3 coordinates here, not 4"),
-        ("0 0 0\n\n", "line 2: a point has 3 coordinates here, not 0"),
         ("0 0 zero\n", "line 1: `zero` is not a number"),
     ];
     for (input, message) in cases {

@@ -7,3 +7,4 @@ mod interrupt;
 mod manual;
 mod place;
 mod render;
+mod robust;

@@ -162,6 +162,19 @@ fn a_parallel_view_has_the_box_before_it() {
 }
 
 #[test]
+fn an_eye_out_of_this_world_is_refused() {
+    let bounds = boxes()[0];
+    for distance in [1e14, 1e154, 1e308, f64::INFINITY, f64::NAN] {
+        let view = View { eye: Some(DVec3::X * distance), ..View::default() };
+        let refused = Camera::framing(&bounds, &view, Up::Z, 1.0);
+        assert!(
+            matches!(refused, Err(CameraError::TooFar { .. } | CameraError::NotFinite { .. })),
+            "{distance}: {refused:?}"
+        );
+    }
+}
+
+#[test]
 fn an_up_vector_nobody_asked_for_gives_way() {
     let bounds = boxes()[0];
     let above = View { eye: Some(DVec3::new(0.0, 0.0, 8.0)), ..View::default() };
