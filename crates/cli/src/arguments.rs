@@ -20,8 +20,8 @@ Examples:
   echo '0 0 0' | fieldstone eval -e 'x^2 + y^2 + z^2 - 1'
   fieldstone check model.hf
 
-Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm) and formulas (any other file, or -e;
-f < 0 inside, z up)."
+Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm), surfaces of SURFER (.jsurf) and formulas
+(any other file, or -e; f < 0 inside, z up)."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]

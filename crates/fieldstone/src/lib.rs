@@ -48,6 +48,7 @@ mod evaluate;
 mod inputs;
 mod load;
 mod output;
+mod presentation;
 mod request;
 
 pub use evaluate::Evaluator;
@@ -58,7 +59,8 @@ pub use request::{RenderRequest, RequestError, Resolved, Warning};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input};
 pub use fieldstone_lang::{
-    Diagnostic, Diagnostics, Dialect, FileSign, Model, Object, Parameter, Severity, Source, UpAxis,
+    Diagnostic, Diagnostics, Dialect, FileSign, Finish, Lamp, Lens, Model, Object, Parameter, Presentation,
+    Severity, Source, UpAxis, Viewpoint,
 };
 pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
 pub use fieldstone_scene::{

@@ -1,11 +1,11 @@
 //! From a model and a few wishes to a scene.
 
 use crate::inputs::{InputError, Inputs};
+use crate::presentation;
 use fieldstone_field::{Bindings, Input};
 use fieldstone_lang::{Model, UpAxis};
 use fieldstone_scene::{
-    Bounds, BoundsError, Camera, CameraError, ColourSource, Lighting, Scene, SceneError, Settings, Solid, Up,
-    View,
+    Bounds, BoundsError, Camera, CameraError, ColourSource, Scene, SceneError, Settings, Solid, Up, View,
 };
 use fieldstone_space::{Extent, FoundBounds, solid_bounds};
 use glam::DVec3;
@@ -110,9 +110,9 @@ impl RenderRequest {
             return Err(RequestError::AxisFixed(number));
         }
         let bindings = self.inputs.bindings(model)?;
-        let (bounds, warning) = match self.bounds {
-            Some(bounds) => (bounds, None),
-            None => find_bounds(model, &bindings)?,
+        let (bounds, warning) = match (self.bounds, presentation::bounds(&model.presentation)) {
+            (Some(bounds), _) | (None, Some(bounds)) => (bounds, None),
+            (None, None) => find_bounds(model, &bindings)?,
         };
         let up = match model.up {
             UpAxis::Y => Up::Y,
@@ -120,12 +120,18 @@ impl RenderRequest {
         };
         let (width, height) = self.settings.size;
         let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
-        let camera = Camera::framing(&bounds, &self.view, up, aspect)?;
+        let view = presentation::view(&self.view, &model.presentation);
+        let camera = Camera::framing(&bounds, &view, up, aspect)?;
         let solid = Solid::new(model.field.clone(), bindings, bounds).with_caps(!self.open);
         let coloured = model.has_attributes && model.field.attributes().len() >= 3;
         let colours = if coloured { ColourSource::Attributes } else { ColourSource::Material };
         let solid = solid.with_colour_source(colours)?;
-        let scene = Scene::new(vec![solid], camera, Lighting::for_camera(&camera), self.settings)?;
+        let solid = match presentation::front(&model.presentation) {
+            Some(material) => solid.with_material(material),
+            None => solid,
+        };
+        let lighting = presentation::lighting(&model.presentation, &camera);
+        let scene = Scene::new(vec![solid], camera, lighting, self.settings)?;
         Ok(Resolved { scene, warnings: warning.into_iter().collect() })
     }
 }
