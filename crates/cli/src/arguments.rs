@@ -5,6 +5,7 @@ use fieldstone::glam::DVec3;
 use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, formula, load};
 use std::path::PathBuf;
 
+use crate::convert::ConvertArguments;
 use crate::failure::Failure;
 
 /// See solids that are defined by functions.
@@ -19,6 +20,7 @@ Examples:
   fieldstone render -e 'x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 11.8' -o tangle.png --size 800x600
   echo '0 0 0' | fieldstone eval -e 'x^2 + y^2 + z^2 - 1'
   fieldstone check model.hf
+  fieldstone convert model.hf -o model.vm
 
 Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm), surfaces of SURFER (.jsurf) and formulas
 (any other file, or -e; f < 0 inside, z up)."
@@ -37,6 +39,8 @@ pub(crate) enum Command {
     Eval(EvalArguments),
     /// Say what is in a model, and what is strange about it.
     Check(EvalArguments),
+    /// Write a model in another language: HyperFun, a program or a formula.
+    Convert(ConvertArguments),
 }
 
 /// Which model.

@@ -3,6 +3,7 @@
 
 mod arguments;
 mod check;
+mod convert;
 mod eval;
 mod failure;
 mod render;
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments, start),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

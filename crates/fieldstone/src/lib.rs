@@ -44,6 +44,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod convert;
 mod evaluate;
 mod inputs;
 mod load;
@@ -51,6 +52,7 @@ mod output;
 mod presentation;
 mod request;
 
+pub use convert::{ConvertError, convert};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
@@ -60,7 +62,7 @@ pub use request::{RenderRequest, RequestError, Resolved, Warning};
 pub use fieldstone_field::{Bindings, Field, Graph, Input};
 pub use fieldstone_lang::{
     Diagnostic, Diagnostics, Dialect, FileSign, Finish, Lamp, Lens, Model, Object, Parameter, Presentation,
-    Severity, Source, UpAxis, Viewpoint,
+    PrintError, Printed, Severity, Source, Syntax, UpAxis, Viewpoint, print_model,
 };
 pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
 pub use fieldstone_scene::{

@@ -1,7 +1,7 @@
 //! Front ends of Fieldstone: HyperFun files, formulas, `.vm` programs and SURFER's `.jsurf` files become field programs.
 //!
 //! Every front end turns a [`Source`] into a [`Model`] or into [`Diagnostics`] that show file, line, column, a caret
-//! and what to do. All deliver fields that are negative inside, whatever the sign of the file.
+//! and what to do. [`print_model`] goes the other way. All deliver fields that are negative inside, whatever the sign of the file.
 
 mod diagnostic;
 mod formula;
@@ -9,6 +9,7 @@ mod hyperfun;
 mod jsurf;
 mod model;
 mod presentation;
+mod print;
 mod suggest;
 mod vm;
 
@@ -18,6 +19,7 @@ pub use hyperfun::{HyperFunOptions, parse_hyperfun};
 pub use jsurf::parse_jsurf;
 pub use model::{FileSign, Model, Object, Parameter, UpAxis};
 pub use presentation::{Finish, Lamp, Lens, Presentation, Viewpoint};
+pub use print::{PrintError, Printed, Syntax, print_model};
 pub use vm::parse_vm;
 
 /// Which meaning HyperFun texts have where mathematics and the C interpreter differ.

@@ -90,6 +90,16 @@ pub(crate) fn parse_in<'a>(
     Ok(lower::lower(&parser::parse(text, setting)?))
 }
 
+/// Whether a text is a name that a formula can define.
+pub(crate) fn is_definable(name: &str) -> bool {
+    let (words, errors) = lexer::words(name);
+    let is_name = matches!(words.as_slice(), [word, _] if word.token == lexer::Token::Name && word.span == (0..name.len()));
+    is_name
+        && errors.is_empty()
+        && names::built_in(name).is_none()
+        && functions::Function::named(name).is_none()
+}
+
 fn constant_formula(text: &str) -> Diagnostic {
     Diagnostic::warning(
         0..text.trim_end().len(),
