@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use fieldstone::glam::DVec3;
-use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, formula, load};
+use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, Plane, formula, load};
 use std::path::PathBuf;
 
 use crate::convert::ConvertArguments;
@@ -137,6 +137,15 @@ pub(crate) struct RenderArguments {
     /// Look into the solid where the bounds cut it, instead of closing it there.
     #[arg(long)]
     pub(crate) open: bool,
+    /// Draw the values on a plane instead: z=0.3, x=0 or y=1; alone where the model does not depend on z. Models with
+    /// two coordinates are always drawn so.
+    #[arg(long, value_name = "AXIS=V", num_args = 0..=1, default_missing_value = "",
+          value_parser = parse_slice, conflicts_with_all = ["eye", "target", "up", "fov", "ortho", "open", "step",
+          "tolerance", "accept_epsilon"])]
+    pub(crate) slice: Option<SlicePlane>,
+    /// How `--slice` shows values.
+    #[arg(long, value_enum, value_name = "STYLE", default_value_t = SliceStyleName::Contours)]
+    pub(crate) slice_style: SliceStyleName,
     /// How surfaces are found.
     #[arg(long, value_enum, default_value_t = MethodName::Affine)]
     pub(crate) method: MethodName,
@@ -172,6 +181,31 @@ pub(crate) enum MethodName {
     Interval,
     /// Steps: misses what is thinner than one.
     Sampled,
+}
+
+/// The styles of slices by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub(crate) enum SliceStyleName {
+    /// The boundary between two tints.
+    Plain,
+    /// The same with lines of equal values.
+    Contours,
+    /// Values as colours, with their scale.
+    Heat,
+}
+
+/// The value of `--slice`: a plane, or none.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct SlicePlane(pub(crate) Option<Plane>);
+
+fn parse_slice(text: &str) -> Result<SlicePlane, String> {
+    if text.is_empty() {
+        return Ok(SlicePlane(None));
+    }
+    let hint = || format!("`{text}` is not a plane: write z=0.3 (and the model before --slice)");
+    let (axis, at) = text.split_once('=').ok_or_else(hint)?;
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(hint)?;
+    Ok(SlicePlane(Some(Plane { axis, at: parse_number(at)? })))
 }
 
 fn parse_number(text: &str) -> Result<f64, String> {
@@ -234,5 +268,10 @@ mod tests {
         assert!(parse_parameter("a[1]").is_err());
         assert_eq!(parse_coordinate("4=.5"), Ok((4, 0.5)));
         assert!(parse_coordinate("w=1").is_err());
+        assert_eq!(parse_slice("y=-.5"), Ok(SlicePlane(Some(Plane { axis: 1, at: -0.5 }))));
+        assert_eq!(parse_slice(""), Ok(SlicePlane(None)));
+        for wrong in ["model.hf", "w=1", "z", "z=top"] {
+            assert!(parse_slice(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -1,6 +1,9 @@
 //! How the program ends when it does not succeed.
 
-use fieldstone::{BoundsError, Diagnostics, InputError, LoadError, OutputError, RenderError, RequestError};
+use fieldstone::{
+    BoundsError, Diagnostics, InputError, LoadError, OutputError, RenderError, RequestError, SliceError,
+    SliceRequestError,
+};
 use std::{fmt, io};
 
 /// Why the program stops.
@@ -57,6 +60,6 @@ macro_rules! failures {
 }
 
 failures! {
-    Usage: InputError, BoundsError, RequestError;
+    Usage: InputError, BoundsError, RequestError, SliceError, SliceRequestError;
     Material: Diagnostics, LoadError, OutputError, RenderError;
 }

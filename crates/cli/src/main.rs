@@ -7,6 +7,7 @@ mod convert;
 mod eval;
 mod failure;
 mod render;
+mod slice;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

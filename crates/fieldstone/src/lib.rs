@@ -51,20 +51,25 @@ mod load;
 mod output;
 mod presentation;
 mod request;
+mod slice;
 
 pub use convert::{ConvertError, convert};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
-pub use output::{OutputError, write_beside, write_exr, write_png};
+pub use output::{OutputError, write_beside, write_exr, write_png, write_rgb};
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
+pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input};
 pub use fieldstone_lang::{
     Diagnostic, Diagnostics, Dialect, FileSign, Finish, Lamp, Lens, Model, Object, Parameter, Presentation,
     PrintError, Printed, Severity, Source, Syntax, UpAxis, Viewpoint, print_model,
 };
-pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
+pub use fieldstone_render::{
+    FoundWindow, MAX_SLICE_PIXELS, RenderError, RenderOptions, Rendered, Slice, SliceError, SlicePicture,
+    SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
+};
 pub use fieldstone_scene::{
     Background, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film, Light, LightError,
     LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene, SceneError,
