@@ -140,12 +140,12 @@ pub(crate) struct RenderArguments {
     /// Draw the values on a plane instead: z=0.3, x=0 or y=1; alone where the model does not depend on z. Models with
     /// two coordinates are always drawn so.
     #[arg(long, value_name = "AXIS=V", num_args = 0..=1, default_missing_value = "",
-          value_parser = parse_slice, conflicts_with_all = ["eye", "target", "up", "fov", "ortho", "open", "step",
-          "tolerance", "accept_epsilon"])]
+          value_parser = parse_slice, conflicts_with_all = ["eye", "target", "up", "fov", "ortho", "open", "method",
+          "step", "tolerance", "accept_epsilon", "samples"])]
     pub(crate) slice: Option<SlicePlane>,
-    /// How `--slice` shows values.
-    #[arg(long, value_enum, value_name = "STYLE", default_value_t = SliceStyleName::Contours)]
-    pub(crate) slice_style: SliceStyleName,
+    /// How `--slice` shows values [default: contours].
+    #[arg(long, value_enum, value_name = "STYLE")]
+    pub(crate) slice_style: Option<SliceStyleName>,
     /// How surfaces are found.
     #[arg(long, value_enum, default_value_t = MethodName::Affine)]
     pub(crate) method: MethodName,

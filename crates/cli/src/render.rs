@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Fai
     }
     let request = request(arguments)?;
     let loaded = arguments.model.load()?;
-    if arguments.slice.is_some() || loaded.model.coordinates < 3 {
+    if slice::is_meant(arguments, &loaded)? {
         return slice::run(arguments, &loaded, start);
     }
     let resolved = request.resolve(&loaded.model)?;

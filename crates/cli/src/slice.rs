@@ -11,6 +11,29 @@ use serde::Serialize;
 use std::io::Write;
 use std::time::Instant;
 
+/// Whether the model is drawn on a plane: if that was asked for, or if it has no third coordinate.
+pub(crate) fn is_meant(arguments: &RenderArguments, loaded: &Loaded) -> Result<bool, Failure> {
+    let is_flat = loaded.model.coordinates < 3;
+    let for_solids = [
+        ("--eye", arguments.eye.is_some()),
+        ("--target", arguments.target.is_some()),
+        ("--up", arguments.up.is_some()),
+        ("--fov", arguments.fov.is_some()),
+        ("--ortho", arguments.ortho.is_some()),
+        ("--open", arguments.open),
+    ];
+    match for_solids.iter().find(|(_, given)| *given && is_flat) {
+        Some((option, _)) => Err(Failure::Usage(format!(
+            "{} has {} coordinates and is drawn flat: {option} has no meaning",
+            loaded.model.name, loaded.model.coordinates
+        ))),
+        None if arguments.slice.is_none() && !is_flat && arguments.slice_style.is_some() => {
+            Err(Failure::Usage("--slice-style has a meaning with --slice only".to_owned()))
+        }
+        None => Ok(arguments.slice.is_some() || is_flat),
+    }
+}
+
 /// Draws a model on a plane and writes the picture.
 pub(crate) fn run(arguments: &RenderArguments, loaded: &Loaded, start: Instant) -> Result<(), Failure> {
     let is_png = arguments.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
@@ -24,9 +47,9 @@ pub(crate) fn run(arguments: &RenderArguments, loaded: &Loaded, start: Instant) 
         bounds: bounds(arguments)?,
         size: arguments.size,
         style: match arguments.slice_style {
-            SliceStyleName::Plain => SliceStyle::Plain,
-            SliceStyleName::Contours => SliceStyle::Contours,
-            SliceStyleName::Heat => SliceStyle::Heat,
+            Some(SliceStyleName::Plain) => SliceStyle::Plain,
+            Some(SliceStyleName::Contours) | None => SliceStyle::Contours,
+            Some(SliceStyleName::Heat) => SliceStyle::Heat,
         },
     };
     let (slice, warning) = request.resolve(&loaded.model)?;

@@ -1,6 +1,7 @@
 //! From a model and a few wishes to a slice.
 
 use crate::inputs::{InputError, Inputs};
+use crate::presentation;
 use fieldstone_field::Input;
 use fieldstone_lang::{FileSign, Model};
 use fieldstone_render::{Slice, SliceStyle, Window, WindowExtent, find_window};
@@ -93,7 +94,7 @@ impl SliceRequest {
             _ => [0, 1],
         };
         bindings.set(Input::Coordinate(normal), plane.map_or(0.0, |plane| plane.at));
-        let (window, warning) = match self.bounds {
+        let (window, warning) = match self.bounds.or(presentation::bounds(&model.presentation)) {
             Some(bounds) => (on_plane(&bounds, axes), None),
             None => {
                 let found = find_window(&model.field, &bindings, axes);

@@ -5,3 +5,4 @@ mod convert;
 mod eval;
 mod place;
 mod render;
+mod slice;

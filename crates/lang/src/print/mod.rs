@@ -12,6 +12,7 @@ mod substitute;
 mod vm;
 
 use crate::model::{Model, Parameter};
+use crate::presentation::Presentation;
 use fieldstone_field::{Graph, Input, NodeId};
 use std::fmt;
 
@@ -104,6 +105,11 @@ pub fn print_model(model: &Model, syntax: Syntax, fixed: &[(Input, f64)]) -> Res
     };
     let mut warnings: Vec<String> = lost.into_iter().map(|(_, warning)| warning).collect();
     warnings.extend(printing.lost_attributes());
+    if model.presentation != Presentation::default() {
+        warnings.push(
+            "how the file wants it shown is left out: view, colours, lights, what is cut off".to_owned(),
+        );
+    }
     warnings.extend(printed.warnings);
     Ok(Printed { text: printed.text, warnings })
 }

@@ -22,8 +22,8 @@ use rayon::prelude::*;
 
 pub use window::{FoundWindow, Window, WindowExtent, find_window};
 
-/// The most pixels that a slice may have: 2²⁵, about 600 MB while it is drawn.
-pub const MAX_SLICE_PIXELS: u64 = 1 << 25;
+/// The most pixels that a slice may have: 2²⁴, about 500 MB while it is drawn.
+pub const MAX_SLICE_PIXELS: u64 = 1 << 24;
 
 /// The side of the tiles that are worked on at a time, in pixels.
 const TILE: usize = 64;

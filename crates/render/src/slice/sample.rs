@@ -38,18 +38,21 @@ pub(super) fn sample(
     wanted: impl Fn(usize) -> bool + Sync,
 ) -> (Vec<Sample>, u64) {
     let tiles = raster.tiles();
-    let of_tiles: Vec<Vec<((usize, usize), Sample)>> = tiles
+    let places_in = |tile: Block| tile.pixels().filter(|(x, y)| wanted(y * raster.width + x));
+    let of_tiles: Vec<Vec<Sample>> = tiles
         .par_iter()
         .map_init(Workspaces::default, |spaces, tile| {
-            let places: Vec<_> = tile.pixels().filter(|(x, y)| wanted(y * raster.width + x)).collect();
-            if places.is_empty() { Vec::new() } else { sample_tile(tape, raster, spaces, (*tile, places)) }
+            let places: Vec<_> = places_in(*tile).collect();
+            if places.is_empty() { Vec::new() } else { sample_tile(tape, raster, spaces, (*tile, &places)) }
         })
         .collect();
     let mut samples = vec![Sample::NONE; raster.width * raster.height];
     let mut count = 0;
-    for ((x, y), sample) in of_tiles.into_iter().flatten() {
-        samples[y * raster.width + x] = sample;
-        count += 1;
+    for (tile, of_tile) in tiles.iter().zip(of_tiles) {
+        count += of_tile.len() as u64;
+        for ((x, y), sample) in places_in(*tile).zip(of_tile) {
+            samples[y * raster.width + x] = sample;
+        }
     }
     (samples, count)
 }
@@ -80,8 +83,8 @@ fn sample_tile(
     tape: &Tape,
     raster: &Raster,
     spaces: &mut Workspaces,
-    (tile, places): (Block, Vec<(usize, usize)>),
-) -> Vec<((usize, usize), Sample)> {
+    (tile, places): (Block, &[(usize, usize)]),
+) -> Vec<Sample> {
     let shortened = shortened(tape, raster, &mut spaces.boxes, tile);
     let tape = shortened.as_ref().unwrap_or(tape);
     let (points, pixel) = (&mut spaces.points, raster.pixel());
@@ -97,9 +100,9 @@ fn sample_tile(
             }
         }
         points.run(tape, some.len());
-        for (lane, place) in some.iter().enumerate() {
+        for lane in 0..some.len() {
             let [value, du, dv] = [0, 1, 2].map(|component| points.output(0, component)[lane]);
-            samples.push((*place, Sample::new(value, du.hypot(dv))));
+            samples.push(Sample::new(value, du.hypot(dv)));
         }
     }
     samples
