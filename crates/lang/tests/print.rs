@@ -135,6 +135,33 @@ fn every_operation_keeps_its_values() {
 }
 
 #[test]
+fn random_programs_keep_their_values() {
+    // Without the two that a language has to compose with another rounding.
+    let unary = "neg abs sqrt square recip exp ln sin cos tan asin acos atan sinh cosh tanh floor ceil trunc sign not";
+    let binary = "add sub mul div min max rmin rmax pow atan2 rem mod compare lt le eq and or";
+    let (unary, binary): (Vec<&str>, Vec<&str>) = (unary.split(' ').collect(), binary.split(' ').collect());
+    let mut state = 7u64;
+    let mut below = |bound: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % bound
+    };
+    let mut differences = Vec::new();
+    for _ in 0..150 {
+        let mut text = "_0 var-x\n_1 var-y\n_2 var-z\n_3 const -0.75\n_4 const 3\n".to_owned();
+        for line in 5..40 {
+            text += &match below(3) {
+                0 => format!("_{line} {} _{}\n", unary[below(unary.len())], below(line)),
+                _ => format!("_{line} {} _{} _{}\n", binary[below(binary.len())], below(line), below(line)),
+            };
+        }
+        let (done, different) = round_trips(&read(&text, Syntax::Vm), &text);
+        assert_eq!(done, SYNTAXES);
+        differences.extend(different);
+    }
+    assert!(differences.is_empty(), "{} differ: {}", differences.len(), differences[0]);
+}
+
+#[test]
 fn a_composed_arc_is_close() {
     let model = read("x var-x\nv atanh x", Syntax::Vm);
     let again = read(&print_model(&model, Syntax::HyperFun, &[]).unwrap().text, Syntax::HyperFun);

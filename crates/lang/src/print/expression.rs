@@ -107,10 +107,6 @@ pub(super) fn common<'e>(node: &Node, operand: impl Fn(NodeId) -> &'e Expr) -> O
                 Binary::Div => infix(a, "/", b, Level::Product),
                 Binary::Pow => power(a, b),
                 Binary::Min | Binary::Max | Binary::Atan2 => call(op.name(), &[a, b]),
-                Binary::Compare => {
-                    let difference = infix(a, " - ", b, Level::Sum);
-                    call("sign", &[&difference])
-                }
                 _ => return None,
             }
         }

@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 pub(super) fn print(printing: &Printing<'_>) -> Result<Printed, PrintError> {
-    let repeats = |node: &Node| matches!(node, Node::Binary(Binary::Rem, ..));
+    let repeats = |node: &Node| matches!(node, Node::Binary(Binary::Rem | Binary::Compare, ..));
     let plan = Plan::new(printing, repeats)?;
     let mut writer = Writer {
         printing,
@@ -126,6 +126,10 @@ fn binary(op: Binary, a: &Expr, b: &Expr) -> Expr {
             Expr::at(Level::Product, format!("sign({})*{}", a.text, magnitude.text))
         }
         Binary::Modulo => call("mod", &[a, b]),
+        Binary::Compare => {
+            let (a, b) = (sum(a), sum(b));
+            Expr::at(Level::Sum, format!("({b} < {a}) - ({a} < {b})"))
+        }
         Binary::Eq => Expr::atom(format!("({} == {})", sum(a), sum(b))),
         _ => Expr::atom(format!("({}{}{})", sum(a), relation(op).unwrap_or(" < "), sum(b))),
     }

@@ -11,7 +11,9 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 pub(super) fn print(printing: &Printing<'_>) -> Result<Printed, PrintError> {
-    let repeats = |node: &Node| matches!(node, Node::Unary(Unary::Atanh | Unary::Round, _));
+    let repeats = |node: &Node| {
+        matches!(node, Node::Unary(Unary::Atanh | Unary::Round, _) | Node::Binary(Binary::Compare, ..))
+    };
     let plan = Plan::new(printing, repeats)?;
     let mut writer = Writer {
         printing,
@@ -113,6 +115,11 @@ impl Writer<'_, '_> {
                 self.truth(plan, id, condition)
             }
             Node::Unary(op, a) => unary(*op, &operand(*a)),
+            Node::Binary(Binary::Compare, a, b) => {
+                let (a, b) = (operand(*a).text, operand(*b).text);
+                let above = self.choice(&format!("{b} < {a}"), "1", "0");
+                self.choice(&format!("{a} < {b}"), "-1", &above.text)
+            }
             Node::Binary(op, a, b) => match arithmetic(*op, &operand(*a), &operand(*b)) {
                 Some(expr) => expr,
                 None => {

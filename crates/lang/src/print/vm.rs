@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use super::{PrintError, Printed, Printing, Syntax, shortest};
 use crate::hyperfun::library::WholeFunction;
-use fieldstone_field::{Binary, Input, Node, NodeId, Unary};
+use fieldstone_field::{Binary, Graph, Input, Node, NodeId, Unary};
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
 
@@ -15,7 +15,8 @@ const PORTABLE: [&str; 26] = [
 
 pub(super) fn print(printing: &Printing<'_>) -> Result<Printed, PrintError> {
     let plan = Plan::new(printing, |_| false)?;
-    let mut writer = Writer { printing, names: HashMap::new(), lines: Lines::default() };
+    let scratch = printing.graph().clone();
+    let mut writer = Writer { printing, names: HashMap::new(), lines: Lines::default(), scratch };
     let mut last = None;
     for &id in &plan.order {
         let name = writer.node(&plan, id)?;
@@ -164,10 +165,22 @@ fn body(op: &str, operands: &[Name]) -> String {
     operands.iter().fold(op.to_owned(), |body, operand| format!("{body} _{operand:x}"))
 }
 
+/// Whether an R-function that is written out becomes the operation `id` again when it is read. It does not where the
+/// square of an operand is something simpler; its values would then be less exact.
+fn is_recognised(scratch: &mut Graph, id: NodeId, (op, a, b): (Binary, NodeId, NodeId)) -> bool {
+    let squares = [a, b].map(|operand| scratch.square(operand));
+    let radicand = scratch.add(squares[0], squares[1]);
+    let (root, sum) = (scratch.sqrt(radicand), scratch.add(a, b));
+    let written_out = if op == Binary::RMin { scratch.sub(sum, root) } else { scratch.add(sum, root) };
+    written_out == id
+}
+
 struct Writer<'p, 'm> {
     printing: &'p Printing<'m>,
     names: HashMap<NodeId, Name>,
     lines: Lines,
+    /// A copy of the graph to try things in.
+    scratch: Graph,
 }
 
 impl Writer<'_, '_> {
@@ -180,6 +193,11 @@ impl Writer<'_, '_> {
             Node::Powi(a, n) => {
                 let power = lines.whole_power(names[&a], n.unsigned_abs().max(1));
                 if n < 0 { lines.unary(Unary::Recip, power) } else { power }
+            }
+            Node::Binary(op @ (Binary::RMin | Binary::RMax), a, b)
+                if !is_recognised(&mut self.scratch, id, (op, a, b)) =>
+            {
+                lines.op(op.name(), &[names[&a], names[&b]])
             }
             Node::Binary(op, a, b) => lines.binary(op, names[&a], names[&b]),
             Node::Select(c, a, b) => lines.select([names[&c], names[&a], names[&b]]),
