@@ -43,6 +43,24 @@
 //! assert_eq!(values, [-9.0, 16.0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Planes and other languages
+//! A [`SliceRequest`] draws a model on a plane, with a count of the pixels that are proved to be inside or outside;
+//! [`convert`] writes a model in another language:
+//! ```
+//! use fieldstone::{Inputs, Plane, SliceRequest, Syntax, convert, draw_slice, formula};
+//!
+//! let ball = formula("x^2 + y^2 + z^2 - 1")?;
+//! let plane = Some(Plane { axis: 2, at: 0.6 });
+//! let request = SliceRequest { plane, size: (64, 64), ..SliceRequest::default() };
+//! let (slice, warning) = request.resolve(&ball.model)?;
+//! let picture = draw_slice(&slice, None)?;
+//! assert!(warning.is_none() && picture.stats.inside > 1500);
+//!
+//! let program = convert(&ball.model, &Inputs::default(), Syntax::Vm)?;
+//! assert!(program.text.starts_with("_0 var-x\n_1 square _0\n"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod convert;
 mod evaluate;

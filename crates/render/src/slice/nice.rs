@@ -23,7 +23,7 @@ pub(super) fn multiples(low: f64, high: f64, step: f64) -> Vec<f64> {
 /// A multiple of `step` with the digits that it needs.
 pub(super) fn label(value: f64, step: f64) -> String {
     let value = if value.abs() < 0.5 * step { 0.0 } else { value };
-    if step >= 1e5 || step < 1e-4 {
+    if !(1e-4..1e5).contains(&step) {
         // The digits from the first of the value to that of the step.
         let digits = (value.abs() / step).log10().max(0.0).ceil() as usize;
         return if value == 0.0 { "0".to_owned() } else { trimmed(format!("{value:.digits$e}")) };

@@ -54,7 +54,7 @@ impl Scale {
             SliceStyle::Contours => {
                 Self::Contours(nice::above(usable(quantile(0.92) - quantile(0.08)) / CONTOURS))
             }
-            SliceStyle::Heat => Self::Heat(nice::above(usable(quantile(0.92)))),
+            SliceStyle::Heat => Self::Heat(nice::above(usable(quantile(0.8)))),
         }
     }
 }

@@ -29,10 +29,11 @@ pub(super) const INK: Colour = rgb(0x3a4350);
 const COLD: [Colour; 4] = [rgb(0xf7f7f7), rgb(0xd1e5f0), rgb(0x67a9cf), rgb(0x2166ac)];
 const WARM: [Colour; 4] = [rgb(0xf7f7f7), rgb(0xfddbc7), rgb(0xef8a62), rgb(0xb2182b)];
 
-/// The colour of a value from −1 (inside) to 1.
+/// The colour of a value from −1 (inside) to 1. Colours go with the square root: values are often far larger on one side
+/// of the boundary than on the other.
 pub(super) fn diverging(value: f32) -> Colour {
     let stops = if value < 0.0 { &COLD } else { &WARM };
-    let place = value.abs().min(1.0) * (stops.len() - 1) as f32;
+    let place = value.abs().min(1.0).sqrt() * (stops.len() - 1) as f32;
     let before = (place as usize).min(stops.len() - 2);
     mix(stops[before], stops[before + 1], place - before as f32)
 }
@@ -40,4 +41,18 @@ pub(super) fn diverging(value: f32) -> Colour {
 /// `a` where `t` is 0, `b` where it is 1.
 pub(super) fn mix(a: Colour, b: Colour, t: f32) -> Colour {
     [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_is_pale_in_the_middle_and_cold_inside() {
+        let [inside, zero, outside] = [-1.0, 0.0, 1.0].map(diverging);
+        assert!(zero.iter().all(|part| *part > 0.9));
+        assert!(inside[2] > inside[0] && outside[0] > outside[2]);
+        assert_eq!(diverging(-7.0), inside);
+        assert_eq!(mix(inside, outside, 0.0), inside);
+    }
 }
