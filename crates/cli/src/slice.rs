@@ -24,8 +24,8 @@ pub(crate) fn is_meant(arguments: &RenderArguments, loaded: &Loaded) -> Result<b
     ];
     match for_solids.iter().find(|(_, given)| *given && is_flat) {
         Some((option, _)) => Err(Failure::Usage(format!(
-            "{} has {} coordinates and is drawn flat: {option} has no meaning",
-            loaded.model.name, loaded.model.coordinates
+            "{} has fewer than 3 coordinates and is drawn flat: {option} has no meaning",
+            loaded.model.name
         ))),
         None if arguments.slice.is_none() && !is_flat && arguments.slice_style.is_some() => {
             Err(Failure::Usage("--slice-style has a meaning with --slice only".to_owned()))
@@ -56,10 +56,7 @@ pub(crate) fn run(arguments: &RenderArguments, loaded: &Loaded, start: Instant) 
     if !arguments.quiet {
         loaded.rendered_warnings().for_each(|warning| eprintln!("{warning}"));
         if arguments.slice.is_none() {
-            eprintln!(
-                "warning: the model has {} coordinates: drawn flat, as by --slice",
-                loaded.model.coordinates
-            );
+            eprintln!("warning: the model has fewer than 3 coordinates: drawn flat, as by --slice");
         }
         warning.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }

@@ -60,7 +60,9 @@ pub enum SliceRequestError {
     #[error("{0} depends on x, y and z: say on which plane, like --slice z=0")]
     NoPlane(String),
     /// The plane is no plane of a model with two coordinates.
-    #[error("{object} has {coordinates} coordinates and lies in the plane of x and y: use --slice alone")]
+    #[error(
+        "{object} has fewer than 3 coordinates ({coordinates}): its only plane is that of x and y, use --slice alone"
+    )]
     Flat {
         /// The object.
         object: String,

@@ -45,7 +45,7 @@ fn flat_models_are_drawn_flat() {
     let run = place.run(&["render", "flat.hf", "-o", "a.png"], "");
     assert_eq!(
         (run.code, run.err.as_str()),
-        (0, "warning: the model has 2 coordinates: drawn flat, as by --slice\n")
+        (0, "warning: the model has fewer than 3 coordinates: drawn flat, as by --slice\n")
     );
     for slice in [&["--slice"][..], &["--slice", "z=0"]] {
         let run = place.run(&[&["render", "flat.hf", "-o", "b.png"], slice].concat(), "");

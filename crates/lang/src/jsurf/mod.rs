@@ -17,6 +17,9 @@ use crate::presentation::Presentation;
 use fieldstone_field::{Field, Input};
 use reader::Reader;
 
+/// The largest file: SURFER's have about 2 KiB.
+const MAX_BYTES: usize = 1 << 20;
+
 const EQUATION: &str = "surface_equation";
 const PARAMETER: &str = "surface_parameter_";
 
@@ -49,8 +52,15 @@ const PARAMETER: &str = "surface_parameter_";
 /// ```
 ///
 /// # Errors
-/// An equation that is missing or no formula, and values that are not what their key needs.
+/// An equation that is missing or no formula, values that are not what their key needs, a text above 1 MiB.
 pub fn parse_jsurf(source: &Source) -> Result<Model, Diagnostics> {
+    if source.text.len() > MAX_BYTES {
+        let message = format!("the file is larger than {} MiB", MAX_BYTES >> 20);
+        let error = Diagnostic::error(0..0, message, "too large for a surface");
+        // The text itself would only be in the way.
+        let source = Source::new(source.name.clone(), String::new());
+        return Err(Diagnostics::in_order(&source, vec![error]));
+    }
     let (properties, mut errors) = properties::read(&source.text);
     let mut reader = Reader::new(&properties);
     let formula = surface(&mut reader, &source.text);

@@ -132,6 +132,12 @@ fn values_out_of_range_are_warnings() {
 }
 
 #[test]
+fn huge_files_are_refused() {
+    let error = read(&"k=1\n".repeat(300_000)).unwrap_err();
+    assert!(error.starts_with("error: the file is larger than 1 MiB") && error.len() < 200, "{error}");
+}
+
+#[test]
 fn errors_point_into_the_file() {
     insta::assert_snapshot!(read("# nothing\nscale_factor=0.1\n").unwrap_err());
     let text = "surface_equation=x^2\\\n  +b*y)\nscale_factor=x\nrotation_matrix=1 2 3\nsurface_parameter_x=1\n\
