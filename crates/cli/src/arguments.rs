@@ -2,16 +2,17 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use fieldstone::glam::DVec3;
-use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, LoopError, formula, load, settle_loops};
+use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, LoopError, Plane, formula, load, settle_loops};
 use std::path::PathBuf;
 
+use crate::convert::ConvertArguments;
 use crate::examples;
 use crate::failure::Failure;
 
 /// The headings of the options in the help.
 const VIEW: &str = "View";
 const METHOD: &str = "Method";
-const OUTPUT: &str = "Output";
+pub(crate) const OUTPUT: &str = "Output";
 
 /// See solids that are defined by functions.
 #[derive(Debug, Parser)]
@@ -39,6 +40,9 @@ pub(crate) enum Command {
     /// Say what is in a model, and what is strange about it.
     #[command(after_help = examples::CHECK)]
     Check(CheckArguments),
+    /// Write a model in another language: HyperFun, a program or a formula.
+    #[command(after_help = examples::CONVERT)]
+    Convert(ConvertArguments),
     /// Print the completions of a shell, for its start-up file.
     #[command(after_help = examples::COMPLETIONS)]
     Completions(CompletionsArguments),
@@ -188,6 +192,15 @@ pub(crate) struct RenderArguments {
     /// Draw only what lies in the sphere around a point with this radius; a solid is cut off there.
     #[arg(long, help_heading = VIEW, value_name = "X,Y,Z,R", allow_hyphen_values = true, value_parser = parse_sphere)]
     pub(crate) clip_sphere: Option<[f64; 4]>,
+    /// Draw the values on a plane instead: z=0.3, x=0 or y=1; alone where the model does not depend on z. Models with
+    /// two coordinates are always drawn so.
+    #[arg(long, help_heading = VIEW, value_name = "AXIS=V", num_args = 0..=1, default_missing_value = "",
+          value_parser = parse_slice, conflicts_with_all = ["eye", "target", "up", "fov", "ortho", "open", "surface",
+          "clip_sphere", "method", "step", "tolerance", "accept_epsilon", "samples"])]
+    pub(crate) slice: Option<SlicePlane>,
+    /// How `--slice` shows values [default: contours].
+    #[arg(long, help_heading = VIEW, value_enum, value_name = "STYLE")]
+    pub(crate) slice_style: Option<SliceStyleName>,
     /// How surfaces are found.
     #[arg(long, help_heading = METHOD, value_enum, default_value_t = MethodName::Affine)]
     pub(crate) method: MethodName,
@@ -223,6 +236,31 @@ pub(crate) enum MethodName {
     Interval,
     /// Steps: misses what is thinner than one.
     Sampled,
+}
+
+/// The styles of slices by their names on the command line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub(crate) enum SliceStyleName {
+    /// The boundary between two tints.
+    Plain,
+    /// The same with lines of equal values.
+    Contours,
+    /// Values as colours, with their scale.
+    Heat,
+}
+
+/// The value of `--slice`: a plane, or none.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct SlicePlane(pub(crate) Option<Plane>);
+
+fn parse_slice(text: &str) -> Result<SlicePlane, String> {
+    if text.is_empty() {
+        return Ok(SlicePlane(None));
+    }
+    let hint = || format!("`{text}` is not a plane: write z=0.3 (and the model before --slice)");
+    let (axis, at) = text.split_once('=').ok_or_else(hint)?;
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(hint)?;
+    Ok(SlicePlane(Some(Plane { axis, at: parse_number(at)? })))
 }
 
 fn parse_number(text: &str) -> Result<f64, String> {
@@ -300,5 +338,10 @@ mod tests {
         assert!(parse_parameter("a[1]").is_err());
         assert_eq!(parse_coordinate("4=.5"), Ok((4, 0.5)));
         assert!(parse_coordinate("w=1").is_err());
+        assert_eq!(parse_slice("y=-.5"), Ok(SlicePlane(Some(Plane { axis: 1, at: -0.5 }))));
+        assert_eq!(parse_slice(""), Ok(SlicePlane(None)));
+        for wrong in ["model.hf", "w=1", "z", "z=top"] {
+            assert!(parse_slice(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -50,6 +50,12 @@ fn report(loaded: &Loaded, bindings: &Bindings, found: &FoundBounds) -> String {
         UpAxis::Z => "z",
     };
     lines.push(("sign", format!("{sign}, {up} up")));
+    if model.presentation.surface {
+        lines.push(("surface", "f = 0 is meant, without an inside".to_owned()));
+    }
+    if let Some(([x, y, z], radius)) = model.presentation.clip_sphere {
+        lines.push(("shown", format!("the ball of radius {radius} around {x},{y},{z}")));
+    }
     for parameter in &model.parameters {
         lines.push(("parameter", format!("{} = {}", parameter.name, bindings.get(parameter.input))));
     }

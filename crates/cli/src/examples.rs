@@ -8,8 +8,8 @@ Examples:
   fieldstone eval -e 'x^2 + y^2 + z^2 - 1' < points.txt
   fieldstone check model.hf
 
-Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm) and formulas (any other file, or -e;
-f < 0 inside, z up). `fieldstone COMMAND --help` shows more examples.";
+Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm), surfaces of SURFER (.jsurf) and formulas
+(any other file, or -e; f < 0 inside, z up). `fieldstone COMMAND --help` shows more examples.";
 
 /// `render`.
 pub(crate) const RENDER: &str = "\
@@ -24,11 +24,29 @@ Examples:
   A solid without end: say where to cut it; --open looks inside:
     fieldstone render -e 'sin(x) + sin(y) + sin(z)' -o waves.png --bounds=-6,-6,-6,6,6,6 --open
 
+  A surface without an inside, in a sphere, both sides of it; and the values of a field on a plane:
+    fieldstone render -e 'x^2*y^2 + y^2*z^2 + z^2*x^2 + x*y*z' -o steiner.png --surface --clip-sphere 0,0,0,0.8
+    fieldstone render model.hf -o cut.png --slice z=0.3
+
   One object of a file, its first parameter, and a fourth coordinate:
     fieldstone render model.hf -o part.png --object wheel --param a[1]=2 --coord 4=0.5
 
   All layers (depth, normals, certificates) and the statistics of a large picture:
     fieldstone render model.hf -o model.exr --size 1920x1080 --samples 9 --stats stats.json";
+
+/// `convert`.
+pub(crate) const CONVERT: &str = "\
+Examples:
+  A HyperFun model as a program of libfive and Fidget, and as a formula:
+    fieldstone convert model.hf -o model.vm
+    fieldstone convert model.hf -o model.txt
+
+  A formula as HyperFun:
+    fieldstone convert -e 'x^2 + y^2 + z^2 - 1' -o ball.hf
+
+Parameters keep their names in formulas and are a[1], a[2], ... in HyperFun; programs have their values.
+Coordinates are kept as they are: nothing is turned, although y is up in HyperFun and z in the others.
+The sign becomes that of the language. Attributes are kept in HyperFun only.";
 
 /// `eval`.
 pub(crate) const EVAL: &str = "\

@@ -2,6 +2,7 @@
 
 use fieldstone::{
     BallError, BoundsError, Diagnostics, InputError, LoadError, OutputError, RenderError, RequestError,
+    SliceError, SliceRequestError,
 };
 use std::{fmt, io};
 
@@ -64,7 +65,7 @@ macro_rules! failures {
 }
 
 failures! {
-    Usage: InputError, BallError, BoundsError, RequestError;
+    Usage: InputError, BallError, BoundsError, RequestError, SliceError, SliceRequestError;
     Material: OutputError;
 }
 

@@ -4,6 +4,7 @@
 mod arguments;
 mod check;
 mod completions;
+mod convert;
 mod eval;
 mod examples;
 mod failure;
@@ -11,6 +12,7 @@ mod interrupt;
 mod man;
 mod progress;
 mod render;
+mod slice;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -24,6 +26,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments, start),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),
     };

@@ -4,6 +4,7 @@ use crate::arguments::{MethodName, RenderArguments};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
+use crate::slice;
 use fieldstone::glam::DVec3;
 use fieldstone::{
     Ball, Bounds, Method, Projection, RenderOptions, RenderRequest, Rendered, Resolved, Settings, View,
@@ -30,6 +31,9 @@ pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Fai
     }
     let request = request(arguments)?;
     let loaded = arguments.model.load()?;
+    if slice::is_meant(arguments, &loaded)? {
+        return slice::run(arguments, &loaded, start);
+    }
     let mut resolved = request.resolve(&loaded.model)?;
     if !arguments.quiet {
         loaded.rendered_warnings().for_each(|warning| eprintln!("{warning}"));
@@ -102,10 +106,15 @@ fn check_writable(path: &Path) -> Result<(), Failure> {
     Ok(fieldstone::check_writable(path)?)
 }
 
-fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
+/// The bounds that were asked for.
+pub(crate) fn bounds(arguments: &RenderArguments) -> Result<Option<Bounds>, Failure> {
     let bounds = arguments
         .bounds
         .map(|[x0, y0, z0, x1, y1, z1]| Bounds::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)));
+    Ok(bounds.transpose()?)
+}
+
+fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
     let sphere = arguments.clip_sphere.map(|[x, y, z, radius]| Ball::new(DVec3::new(x, y, z), radius));
     let fov =
         arguments.fov.map(|degrees| Projection::Perspective { vertical_fov_radians: degrees.to_radians() });
@@ -119,7 +128,7 @@ fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
     };
     Ok(RenderRequest {
         inputs: arguments.model.inputs(),
-        bounds: bounds.transpose()?,
+        bounds: bounds(arguments)?,
         open: arguments.open,
         surface: arguments.surface,
         clip_sphere: sphere.transpose()?,
@@ -204,7 +213,7 @@ impl Summary {
 }
 
 /// A share with two digits, which is 100 or 0 only if it is all or nothing.
-fn percent(count: u64, of: u64) -> String {
+pub(crate) fn percent(count: u64, of: u64) -> String {
     let exact = 100.0 * count as f64 / of as f64;
     match count {
         0 => "0".to_owned(),

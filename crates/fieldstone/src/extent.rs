@@ -64,7 +64,7 @@ fn searched_field(wanted: &Wanted<'_>) -> Field {
         }
         value = graph.max(value, outside);
     }
-    Field::new(graph, value, Vec::new())
+    Field::new(graph, value, Vec::new()).with_fuel(wanted.field.fuel())
 }
 
 #[cfg(test)]

@@ -43,28 +43,55 @@
 //! assert_eq!(values, [-9.0, 16.0]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Planes and other languages
+//! A [`SliceRequest`] draws a model on a plane, with a count of the pixels that are proved to be inside or outside;
+//! [`convert`] writes a model in another language:
+//! ```
+//! use fieldstone::{Inputs, Plane, SliceRequest, Syntax, convert, draw_slice, formula};
+//!
+//! let ball = formula("x^2 + y^2 + z^2 - 1")?;
+//! let plane = Some(Plane { axis: 2, at: 0.6 });
+//! let request = SliceRequest { plane, size: (64, 64), ..SliceRequest::default() };
+//! let (slice, warning) = request.resolve(&ball.model)?;
+//! let picture = draw_slice(&slice, None)?;
+//! assert!(warning.is_none() && picture.stats.inside > 1500);
+//!
+//! let program = convert(&ball.model, &Inputs::default(), Syntax::Vm)?;
+//! assert!(program.text.starts_with("_0 var-x\n_1 square _0\n"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod convert;
 mod endless;
 mod evaluate;
 mod extent;
 mod inputs;
 mod load;
 mod output;
+mod presentation;
 mod request;
+mod slice;
 
+pub use convert::{ConvertError, convert};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
-pub use output::{OutputError, check_writable, write_beside, write_exr, write_png};
+pub use output::{OutputError, check_writable, write_beside, write_exr, write_png, write_rgb};
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
+pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input};
 pub use fieldstone_lang::{
-    Diagnostic, Diagnostics, Dialect, FileSign, Model, Object, Parameter, Severity, Signature, Source,
-    UpAxis, hyperfun_functions,
+    Diagnostic, Diagnostics, Dialect, FileSign, Finish, Lamp, Lens, Model, Object, Parameter, Presentation,
+    PrintError, Printed, Severity, Signature, Source, Syntax, UpAxis, Viewpoint, hyperfun_functions,
+    print_model,
 };
-pub use fieldstone_render::{RenderError, RenderOptions, Rendered, Stats, render};
+pub use fieldstone_render::{
+    FoundWindow, MAX_SLICE_PIXELS, RenderError, RenderOptions, Rendered, Slice, SliceError, SlicePicture,
+    SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
+};
 pub use fieldstone_scene::{
     Background, Ball, BallError, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film,
     Light, LightError, LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene,

@@ -1,7 +1,8 @@
 //! Reading models from files and texts.
 
 use fieldstone_lang::{
-    Diagnostics, Dialect, HyperFunOptions, Model, Source, parse_formula, parse_hyperfun, parse_vm,
+    Diagnostics, Dialect, HyperFunOptions, Model, Source, parse_formula, parse_hyperfun, parse_jsurf,
+    parse_vm,
 };
 use std::fs::File;
 use std::io::{self, Read};
@@ -75,7 +76,8 @@ pub enum LoadError {
     Model(#[from] Diagnostics),
 }
 
-/// Reads a model from a file: HyperFun from `.hf` and `.hpf`, programs from `.vm`, and formulas from any other.
+/// Reads a model from a file: HyperFun from `.hf` and `.hpf`, programs from `.vm`, surfaces from `.jsurf`, and formulas
+/// from any other.
 ///
 /// # Errors
 /// A file that cannot be read, is not a text in UTF-8 or is too large; a text that is no model.
@@ -92,6 +94,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
             parse_hyperfun(&source, &options)?
         }
         Some("vm") => parse_vm(&source)?,
+        Some("jsurf") => parse_jsurf(&source)?,
         _ => parse_formula(&source)?,
     };
     Ok(Loaded { model, source })
@@ -149,6 +152,7 @@ mod tests {
             assert_eq!(kind_of(name, hyperfun).unwrap().model.sign, FileSign::PositiveInside);
         }
         assert_eq!(kind_of("a.vm", "_0 var-x").unwrap().model.name, "program");
+        assert_eq!(kind_of("a.jsurf", "surface_equation=x").unwrap().model.name, "surface");
         for name in ["a.txt", "a.frep", "a"] {
             assert_eq!(kind_of(name, "x - 1").unwrap().model.name, "formula");
         }

@@ -31,12 +31,24 @@ pub struct OutputError {
 /// # Errors
 /// The file cannot be written; nothing is left of it then.
 pub fn write_png(film: &Film, background: &Background, path: &Path) -> Result<(), OutputError> {
-    let pixels = film.composite_over(background);
+    write_rgb((film.width(), film.height()), &film.composite_over(background), path)
+}
+
+/// Writes pixels, red, green and blue in sRGB, row by row from the top, as a PNG.
+///
+/// # Errors
+/// The file cannot be written, or there are not as many pixels as the size says; nothing is left of it then.
+pub fn write_rgb((width, height): (u32, u32), pixels: &[u8], path: &Path) -> Result<(), OutputError> {
+    let needed = u64::from(width) * u64::from(height) * 3;
     write_beside(path, |file| {
+        if pixels.len() as u64 != needed {
+            let found = pixels.len();
+            return Err(io::Error::other(format!(
+                "a picture of {width}x{height} has {needed} bytes, not {found}"
+            )));
+        }
         let encoder = PngEncoder::new(file);
-        encoder
-            .write_image(&pixels, film.width(), film.height(), ExtendedColorType::Rgb8)
-            .map_err(io::Error::other)
+        encoder.write_image(pixels, width, height, ExtendedColorType::Rgb8).map_err(io::Error::other)
     })
 }
 
@@ -185,6 +197,16 @@ mod tests {
         let read = image::open(&path).unwrap().to_rgb8();
         assert_eq!(read.dimensions(), (3, 2));
         assert_eq!(read.into_raw(), film().composite_over(&background));
+    }
+
+    #[test]
+    fn pixels_must_be_as_many_as_the_size_says() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        assert!(write_rgb((2, 2), &[0; 11], &path).is_err());
+        assert!(!path.exists());
+        write_rgb((2, 2), &[9; 12], &path).unwrap();
+        assert_eq!(image::open(&path).unwrap().to_rgb8().into_raw(), [9; 12]);
     }
 
     #[test]

@@ -2,10 +2,11 @@
 
 use crate::extent::{Wanted, find_bounds};
 use crate::inputs::{InputError, Inputs};
+use crate::presentation;
 use fieldstone_lang::{Model, UpAxis};
 use fieldstone_render::Stats;
 use fieldstone_scene::{
-    Ball, Bounds, BoundsError, Camera, CameraError, ColourSource, Lighting, Scene, SceneError, Settings,
+    Ball, BallError, Bounds, BoundsError, Camera, CameraError, ColourSource, Scene, SceneError, Settings,
     Solid, Up, View,
 };
 use fieldstone_space::{Extent, FoundBounds};
@@ -123,6 +124,9 @@ pub enum RequestError {
     /// Impossible bounds.
     #[error(transparent)]
     Bounds(#[from] BoundsError),
+    /// An impossible sphere.
+    #[error(transparent)]
+    Ball(#[from] BallError),
     /// Impossible settings.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -140,13 +144,18 @@ impl RenderRequest {
             return Err(RequestError::AxisFixed(number));
         }
         let bindings = self.inputs.bindings(model)?;
+        let surface = self.surface || model.presentation.surface;
+        let clip_ball = match self.clip_sphere {
+            Some(ball) => Some(ball),
+            None => presentation::clip_ball(&model.presentation)?,
+        };
         let (bounds, warning) = match self.bounds {
             Some(bounds) => (bounds, None),
             None => find_bounds(&Wanted {
                 field: &model.field,
                 bindings: &bindings,
-                surface: self.surface,
-                clip: self.clip_sphere.as_ref(),
+                surface,
+                clip: clip_ball.as_ref(),
             })?,
         };
         let up = match model.up {
@@ -155,15 +164,18 @@ impl RenderRequest {
         };
         let (width, height) = self.settings.size;
         let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
-        let camera = Camera::framing(&bounds, &self.view, up, aspect)?;
+        let view = presentation::view(&self.view, &model.presentation);
+        let camera = Camera::framing(&bounds, &view, up, aspect)?;
         let solid = Solid::new(model.field.clone(), bindings, bounds)
             .with_caps(!self.open)
-            .with_surface(self.surface)
-            .with_clip_ball(self.clip_sphere);
+            .with_surface(surface)
+            .with_clip_ball(clip_ball);
         let coloured = model.has_attributes && model.field.attributes().len() >= 3;
         let colours = if coloured { ColourSource::Attributes } else { ColourSource::Material };
         let solid = solid.with_colour_source(colours)?;
-        let scene = Scene::new(vec![solid], camera, Lighting::for_camera(&camera), self.settings)?;
+        let solid = presentation::with_materials(solid, &model.presentation);
+        let lighting = presentation::lighting(&model.presentation, &camera);
+        let scene = Scene::new(vec![solid], camera, lighting, self.settings)?;
         Ok(Resolved { scene, warnings: warning.into_iter().collect() })
     }
 }

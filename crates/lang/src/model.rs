@@ -1,6 +1,7 @@
 //! What a front end delivers.
 
 use crate::diagnostic::Diagnostic;
+use crate::presentation::Presentation;
 use fieldstone_field::{Field, Input};
 
 /// Which values a file calls inside.
@@ -64,6 +65,8 @@ pub struct Model {
     pub sign: FileSign,
     /// The axis that points up.
     pub up: UpAxis,
+    /// How the file wants the model shown; nothing where the language has no words for it.
+    pub presentation: Presentation,
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
 }
@@ -92,6 +95,7 @@ impl Model {
             parameters,
             sign: FileSign::NegativeInside,
             up: UpAxis::Z,
+            presentation: Presentation::default(),
             warnings,
         }
     }

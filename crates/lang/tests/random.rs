@@ -1,7 +1,7 @@
 //! Texts made by chance: whatever they are, the front ends return, and what they return holds together.
 
 use fieldstone_field::Bindings;
-use fieldstone_lang::{Diagnostics, Model, Severity, Source, parse_formula, parse_vm};
+use fieldstone_lang::{Diagnostics, Model, Severity, Source, parse_formula, parse_jsurf, parse_vm};
 
 /// A small generator of numbers (xorshift), so that every run tests the same texts.
 struct Chance(u64);
@@ -115,4 +115,37 @@ fn mutated_programs_are_read_or_refused() {
     let program =
         "_0 var-x\n_1 square _0\n_2 var-y # y\n_3 mod _1 _2\n_4 const 1.5\n_5 or _3 _4\n_6 compare _5 _4\n";
     check_many(parse_vm, 6_000, |chance| mutate(chance, program, &VM_WORDS));
+}
+
+const JSURF_WORDS: [&str; 22] = [
+    "\n",
+    "\n",
+    "=",
+    ":",
+    " ",
+    "\\",
+    "\\u00",
+    "\\=",
+    "#",
+    "!",
+    "x",
+    "y^2",
+    "a",
+    "0.5",
+    "-1",
+    "nan",
+    "1e999",
+    "surface_equation=",
+    "surface_parameter_a=",
+    "light_status_1=ON\n",
+    "é",
+    "\u{feff}",
+];
+
+#[test]
+fn mutated_surfaces_are_read_or_refused() {
+    let surface = "# a surface\nsurface_equation=x^2+a*y^2-z^3\\\n  -1\nsurface_parameter_a=0.5\nscale_factor=-0.1\n\
+        rotation_matrix=1 0 0 0 0 0 -1 0 0 1 0 0 0 0 0 1\ncamera_type=PERSPECTIVE_CAMERA\n\
+        front_material_color=0.1 0.2 0.3\nlight_status_0=ON\nlight_position_0=1 2 30\n";
+    check_many(parse_jsurf, 6_000, |chance| mutate(chance, surface, &JSURF_WORDS));
 }

@@ -66,7 +66,7 @@ fn shade(
         };
         for ((&i, l), _) in lit.iter().zip(&arriving).zip(&blocked).filter(|(_, blocked)| !**blocked) {
             let (surface, direction) = hits[i];
-            let material = prepared.solid(surface.part).material();
+            let material = prepared.solid(surface.part).material_from(surface.from_inside);
             let cosine = l.to_light.dot(normals[i]);
             let half = (l.to_light - direction).normalize_or_zero();
             let highlight = material.specular() * half.dot(normals[i]).max(0.0).powf(material.shininess());

@@ -4,10 +4,17 @@
 //! does goes through two queries of the scene: the nearest surface along a ray, and the volume segments before it (of
 //! which there are none yet). A first pass looks through the centre of every pixel; a second takes more samples where
 //! neighbours differ.
+//!
+//! [`draw_slice`] draws a field on a plane instead.
 
 mod integrator;
 mod jump;
 mod query;
+mod slice;
 mod tile;
 
+pub use slice::{
+    FoundWindow, MAX_SLICE_PIXELS, Slice, SliceError, SlicePicture, SliceStats, SliceStyle, Window,
+    WindowExtent, draw_slice, find_window,
+};
 pub use tile::{RenderError, RenderOptions, Rendered, Stats, render};

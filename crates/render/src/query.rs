@@ -39,6 +39,8 @@ pub(crate) struct Surface {
     pub(crate) behind: DVec3,
     /// The normal of a cap, where the bounds cut the solid.
     cap: Option<DVec3>,
+    /// Whether it is seen from where the field is negative.
+    pub(crate) from_inside: bool,
     /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
     gradient_place: DVec3,
 }
@@ -155,7 +157,7 @@ impl<'s> Prepared<'s> {
                 }
                 for (lane, &i) in block.iter().enumerate() {
                     let attributes: Vec<f64> = (1..=count).map(|a| asker.points.output(a, 0)[lane]).collect();
-                    colours[i] = solid.solid.diffuse(&attributes);
+                    colours[i] = solid.solid.diffuse(&attributes, hits[i].0.from_inside);
                 }
             }
         }
@@ -222,7 +224,15 @@ impl<'s> PreparedSolid<'s> {
             // A hair outside of the face, as far as brackets are wide.
             let hair = self.settings.tolerance * self.settings.size;
             let (before, behind) = (at(t) + side * hair * normal, at(t) - side * hair * normal);
-            Surface { part: 0, t, before, behind, cap: Some(normal), gradient_place: at(t) }
+            Surface {
+                part: 0,
+                t,
+                before,
+                behind,
+                cap: Some(normal),
+                from_inside: false,
+                gradient_place: at(t),
+            }
         };
         let surface = match (outcome.hit, span) {
             (_, Some(span)) if outcome.starts_inside && capped && span.enter > 0.0 => {
@@ -233,7 +243,8 @@ impl<'s> PreparedSolid<'s> {
                 let before = at(hit.before);
                 let hair = self.settings.tolerance * self.settings.size;
                 let gradient_place = if hit.touching { at(hit.t - hair) } else { 0.5 * (before + behind) };
-                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, gradient_place })
+                let from_inside = !hit.entering;
+                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, from_inside, gradient_place })
             }
             (None, Some(span)) if outcome.ends_inside && capped && ray.end >= span.exit => {
                 Some(cap(span.exit, span.exit_normal, -1.0))

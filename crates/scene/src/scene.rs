@@ -76,6 +76,7 @@ pub struct Solid {
     capped: bool,
     surface: bool,
     material: Material,
+    back: Option<Material>,
     colour_source: ColourSource,
 }
 
@@ -93,6 +94,7 @@ impl Solid {
             capped: true,
             surface: false,
             material,
+            back: None,
             colour_source,
         }
     }
@@ -117,6 +119,11 @@ impl Solid {
     /// Another material.
     pub fn with_material(self, material: Material) -> Self {
         Self { material, ..self }
+    }
+
+    /// Another material for the side from which the field is negative, which is seen of surfaces and of open solids.
+    pub fn with_back_material(self, back: Material) -> Self {
+        Self { back: Some(back), ..self }
     }
 
     /// Another source of the diffuse colour.
@@ -175,18 +182,23 @@ impl Solid {
         &self.material
     }
 
+    /// What it is made of where it is seen from outside, or from inside.
+    pub fn material_from(&self, inside: bool) -> &Material {
+        self.back.as_ref().filter(|_| inside).unwrap_or(&self.material)
+    }
+
     /// Where its diffuse colour comes from.
     pub fn colour_source(&self) -> ColourSource {
         self.colour_source
     }
 
-    /// The diffuse colour where the field has these attributes.
-    pub fn diffuse(&self, attributes: &[f64]) -> Rgb {
+    /// The diffuse colour where the field has these attributes, seen from outside or from inside.
+    pub fn diffuse(&self, attributes: &[f64], from_inside: bool) -> Rgb {
         match (self.colour_source, attributes) {
             (ColourSource::Attributes, &[r, g, b, ..]) if !(r.is_nan() || g.is_nan() || b.is_nan()) => {
                 DVec3::from([r, g, b].map(|s| srgb_to_linear(s.clamp(0.0, 1.0))))
             }
-            _ => self.material.diffuse(),
+            _ => self.material_from(from_inside).diffuse(),
         }
     }
 }
@@ -398,10 +410,13 @@ mod tests {
         let refused = solid(2).with_colour_source(ColourSource::Attributes).map(|_| ());
         assert_eq!(refused, Err(SceneError::Attributes(2)));
         let coloured = solid(3).with_colour_source(ColourSource::Attributes).unwrap();
-        let colour = coloured.diffuse(&[0.5, 7.0, -1.0]);
+        let colour = coloured.diffuse(&[0.5, 7.0, -1.0], false);
         assert!((colour - DVec3::new(0.214_041_14, 1.0, 0.0)).length() < 1e-8);
         let own = coloured.material().diffuse();
-        assert_eq!(coloured.diffuse(&[0.5, f64::NAN, 0.5]), own);
-        assert_eq!(solid(3).diffuse(&[0.5, 0.5, 0.5]), own);
+        assert_eq!(coloured.diffuse(&[0.5, f64::NAN, 0.5], false), own);
+        assert_eq!(solid(3).diffuse(&[0.5, 0.5, 0.5], false), own);
+        let red = Material::new(DVec3::X, 0.0, 1.0).unwrap();
+        let two_sided = solid(3).with_back_material(red);
+        assert_eq!((two_sided.diffuse(&[], false), two_sided.diffuse(&[], true)), (own, DVec3::X));
     }
 }

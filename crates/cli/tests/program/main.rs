@@ -2,9 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
 mod check;
+mod convert;
 mod eval;
 mod interrupt;
 mod manual;
 mod place;
 mod render;
 mod robust;
+mod slice;

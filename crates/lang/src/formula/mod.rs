@@ -19,8 +19,8 @@ mod tree;
 mod tests;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Source};
-use crate::model::Model;
-use fieldstone_field::Input;
+use crate::model::{Model, Parameter};
+use fieldstone_field::{Field, Input};
 
 /// Reads a formula: `x^2 + y^2 + z^2 - 1`.
 ///
@@ -65,11 +65,39 @@ use fieldstone_field::Input;
 /// # Errors
 /// What cannot be read: one syntax error for each statement, and every other error, up to a limit.
 pub fn parse_formula(source: &Source) -> Result<Model, Diagnostics> {
-    let formula = parser::parse(&source.text).map_err(|errors| Diagnostics::in_order(source, errors))?;
-    let (field, parameters) = lower::lower(&formula);
+    let how_to_define = |name: &str| format!("give it a value: `{name} = 1; …`");
+    let setting = Setting { parameters: &[], how_to_define };
+    let (field, parameters) =
+        parse_in(&source.text, &setting).map_err(|errors| Diagnostics::in_order(source, errors))?;
     let varies = field.inputs().iter().any(|input| matches!(input, Input::Coordinate(_)));
     let warnings = if varies { Vec::new() } else { vec![constant_formula(&source.text)] };
     Ok(Model::plain("formula", field, parameters, warnings))
+}
+
+/// What a formula may take for granted.
+pub(crate) struct Setting<'a> {
+    /// Names with their defaults; they hide what is built in, and become the first parameters.
+    pub(crate) parameters: &'a [(String, f64)],
+    /// The help for a name without a meaning: how to give it one.
+    pub(crate) how_to_define: fn(&str) -> String,
+}
+
+/// The field and the parameters of a formula in a setting; the places of errors are those in `text`.
+pub(crate) fn parse_in<'a>(
+    text: &'a str,
+    setting: &Setting<'a>,
+) -> Result<(Field, Vec<Parameter>), Vec<Diagnostic>> {
+    Ok(lower::lower(&parser::parse(text, setting)?))
+}
+
+/// Whether a text is a name that a formula can define.
+pub(crate) fn is_definable(name: &str) -> bool {
+    let (words, errors) = lexer::words(name);
+    let is_name = matches!(words.as_slice(), [word, _] if word.token == lexer::Token::Name && word.span == (0..name.len()));
+    is_name
+        && errors.is_empty()
+        && names::built_in(name).is_none()
+        && functions::Function::named(name).is_none()
 }
 
 fn constant_formula(text: &str) -> Diagnostic {

@@ -62,17 +62,26 @@ pub(super) fn check_definition(
         .with_help(help))
 }
 
+/// The definitions so far, and how to write one for a name.
+type Definitions<'a> = (&'a Defined<'a>, fn(&str) -> String);
+
 /// The error for a name without a meaning. `words` are all words of the text, `at` is the name's.
-pub(super) fn unknown_name(text: &str, words: &[Word], at: usize, defined: &Defined<'_>) -> Diagnostic {
+pub(super) fn unknown_name(
+    text: &str,
+    words: &[Word],
+    at: usize,
+    definitions: Definitions<'_>,
+) -> Diagnostic {
     let span = words[at].span.clone();
     let name = &text[span.clone()];
     let next = words.get(at + 1).map(|word| word.token);
     let kind = if next == Some(Token::Open) { "function" } else { "name" };
     let error = Diagnostic::error(span, format!("unknown {kind} `{name}`"), "not defined");
-    error.with_help(help_for_unknown(text, words, at, defined))
+    error.with_help(help_for_unknown(text, words, at, definitions))
 }
 
-fn help_for_unknown(text: &str, words: &[Word], at: usize, defined: &Defined<'_>) -> String {
+fn help_for_unknown(text: &str, words: &[Word], at: usize, definitions: Definitions<'_>) -> String {
+    let (defined, how_to_define) = definitions;
     let name = &text[words[at].span.clone()];
     let next = words.get(at + 1).map(|word| word.token);
     let defined_later = words[at + 1..].windows(3).any(|w| {
@@ -103,8 +112,8 @@ fn help_for_unknown(text: &str, words: &[Word], at: usize, defined: &Defined<'_>
     match (closest(name, known), is_called) {
         (Some(known), true) => format!("did you mean `{known}`?"),
         (None, true) => format!("for a product write `{name}*(…)`; functions cannot be defined"),
-        (Some(known), false) => format!("did you mean `{known}`? Otherwise give it a value: `{name} = 1; …`"),
-        (None, false) => format!("give it a value: `{name} = 1; …`"),
+        (Some(known), false) => format!("did you mean `{known}`? Otherwise {}", how_to_define(name)),
+        (None, false) => how_to_define(name),
     }
 }
 

@@ -1,5 +1,6 @@
 //! From words to a tree: statements.
 
+use super::Setting;
 use super::lexer::{Token, Word, words};
 use super::names::{BuiltIn, Defined, built_in, check_definition, unknown_name};
 use super::tree::{Definition, Expr, ExprId, Formula, Infix};
@@ -9,7 +10,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 /// Reads a formula, or says what is wrong with it.
-pub(super) fn parse(text: &str) -> Result<Formula, Vec<Diagnostic>> {
+pub(super) fn parse<'a>(text: &'a str, setting: &Setting<'a>) -> Result<Formula, Vec<Diagnostic>> {
     let (words, errors) = words(text);
     let mut parser = Parser {
         text,
@@ -20,8 +21,10 @@ pub(super) fn parse(text: &str) -> Result<Formula, Vec<Diagnostic>> {
         defined: Defined::new(),
         unknown: HashSet::new(),
         value: None,
+        how_to_define: setting.how_to_define,
         errors,
     };
+    parser.assume(setting.parameters);
     while parser.token() != Token::End && parser.errors.len() < MAX_ERRORS {
         if let Err(error) = parser.statement() {
             parser.report(error);
@@ -46,12 +49,23 @@ pub(super) struct Parser<'a> {
     definitions: Vec<Definition>,
     pub(super) defined: Defined<'a>,
     value: Option<ExprId>,
+    /// See [`Setting`].
+    how_to_define: fn(&str) -> String,
     /// The names without a meaning that were reported.
     unknown: HashSet<&'a str>,
     errors: Vec<Diagnostic>,
 }
 
 impl<'a> Parser<'a> {
+    /// Defines names that the text need not define.
+    fn assume(&mut self, parameters: &'a [(String, f64)]) {
+        for (name, value) in parameters {
+            let value = self.push(Expr::Number(*value));
+            self.defined.insert(name, self.definitions.len());
+            self.definitions.push(Definition { name: name.clone(), value });
+        }
+    }
+
     pub(super) fn token(&self) -> Token {
         self.words[self.at].token
     }
@@ -233,7 +247,7 @@ impl<'a> Parser<'a> {
     pub(super) fn report_unknown(&mut self, at: usize) {
         let name = &self.text[self.words[at].span.clone()];
         if self.errors.len() < MAX_ERRORS && self.unknown.insert(name) {
-            let error = unknown_name(self.text, &self.words, at, &self.defined);
+            let error = unknown_name(self.text, &self.words, at, (&self.defined, self.how_to_define));
             self.report(error);
         }
     }
@@ -242,9 +256,9 @@ impl<'a> Parser<'a> {
     pub(super) fn variable(&mut self, at: usize) -> ExprId {
         let name = &self.text[self.words[at].span.clone()];
         let expr = match (built_in(name), self.defined.get(name)) {
-            (Some(BuiltIn::Input(input)), _) => Expr::Input(input),
-            (Some(BuiltIn::Constant(value)), _) => Expr::Number(value),
-            (None, Some(&number)) => Expr::Defined(number),
+            (_, Some(&number)) => Expr::Defined(number),
+            (Some(BuiltIn::Input(input)), None) => Expr::Input(input),
+            (Some(BuiltIn::Constant(value)), None) => Expr::Number(value),
             (None, None) => {
                 self.report_unknown(at);
                 Expr::Number(f64::NAN)

@@ -31,6 +31,7 @@ pub use signature::{Signature, hyperfun_functions};
 use crate::Dialect;
 use crate::diagnostic::{Diagnostic, Diagnostics, Source};
 use crate::model::{FileSign, Model, Object, Parameter, UpAxis};
+use crate::presentation::Presentation;
 use crate::suggest;
 use fieldstone_field::{Field, Input};
 use lower::Lowered;
@@ -131,6 +132,7 @@ fn model(objects: &[ast::Object], chosen: usize, lowered: Lowered, report: &mut 
         parameters: (0..object.parameters).map(parameter).collect(),
         sign: FileSign::PositiveInside,
         up: UpAxis::Y,
+        presentation: Presentation::default(),
         warnings: Vec::new(),
     }
 }

@@ -25,7 +25,8 @@ mod tables;
 mod tests;
 
 use crate::Dialect;
-use fieldstone_field::{Graph, NodeId};
+use fieldstone_field::{Function as WholeFunctionBody, Graph, NodeId};
+use std::sync::Arc;
 
 /// What a parameter of a function is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -74,6 +75,49 @@ pub(crate) fn lookup(lower_case_name: &str) -> Option<&'static Function> {
 /// The names of all functions, in lower case.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     FUNCTIONS.iter().map(|f| f.name)
+}
+
+/// A function that programs call as a whole, because it has no closed form.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum WholeFunction {
+    /// The noise of `hfA_NoiseP` at (x, y, z).
+    PerlinNoise,
+    /// The distance of `hfDEllipsoid` at (x, y, z) with three half-axes, around the origin.
+    EllipsoidDistance,
+    /// `hfDInt` of two values, the radius and the angle.
+    RoundedIntersection,
+    /// The same with the rounding of the C interpreter.
+    SnappingIntersection,
+}
+
+impl WholeFunction {
+    /// What it is called in messages.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::PerlinNoise => "hfA_NoiseP",
+            Self::EllipsoidDistance => "hfDEllipsoid",
+            Self::RoundedIntersection => "hfDInt",
+            Self::SnappingIntersection => "hfDInt of the strict dialect",
+        }
+    }
+
+    /// The function itself.
+    pub(crate) fn function(self) -> &'static Arc<dyn WholeFunctionBody> {
+        match self {
+            Self::PerlinNoise => &noise::PERLIN,
+            Self::EllipsoidDistance => &ellipsoid::ELLIPSOID,
+            Self::RoundedIntersection => &sardf::EXACT,
+            Self::SnappingIntersection => &sardf::SNAPPING,
+        }
+    }
+}
+
+/// The function that the node `id` of a program calls with `arguments`. The program is only asked: a call of the same
+/// function with the same arguments is the same node.
+pub(crate) fn whole_function(graph: &mut Graph, id: NodeId, arguments: &[NodeId]) -> Option<WholeFunction> {
+    use WholeFunction::*;
+    let all = [PerlinNoise, EllipsoidDistance, RoundedIntersection, SnappingIntersection];
+    all.into_iter().find(|known| graph.call(known.function(), arguments) == id)
 }
 
 /// `name(kind parameter, …) => formula`, with the kinds A for an array and R for a number.
