@@ -133,8 +133,9 @@ fn conditions_are_read_from_the_left() {
 #[test]
 fn parentheses_in_conditions_are_ordinary() {
     assert_holds("(x[1]+1) > 2", false);
-    assert_holds("(x[1]+1)*2 > 3", true);
-    assert_holds("((x[1]+1)*2) > 3", true);
+    for condition in ["(x[1]+1)*2 > 3", "((x[1]+1)*2) > 3"] {
+        assert_eq!(run(&format!("if {condition} then f = 1; else f = 2; endif; my_model = f;")), 1.0);
+    }
     assert_holds("2*(x[1]+1) > 3", true);
     assert_holds("((x[1] > 0) and (x[2] > 0))", false);
 }
@@ -346,6 +347,145 @@ fn the_lenient_superset() {
     let strict =
         parse_hyperfun(&Source::new("t", object(two)), &options(Dialect::Strict)).map(|_| ()).unwrap_err();
     assert!(strict.list[0].message.contains("after the object got its value"), "{strict}");
+}
+
+/// What is wrong with a text in the strict dialect; nothing if it is read.
+fn strict_errors(text: &str) -> Vec<String> {
+    match parse_hyperfun(&Source::new("test.hf", text), &options(Dialect::Strict)) {
+        Ok(_) => Vec::new(),
+        Err(diagnostics) => diagnostics.list.into_iter().map(|d| d.message).collect(),
+    }
+}
+
+#[test]
+fn what_only_the_lenient_dialect_reads() {
+    let condition = |c: &str| object(&format!("if {c} then f = 1; else f = 2; endif; my_model = f;"));
+    let texts = [
+        (condition("(x[1]+1)*2 > 3"), "arithmetic behind a parenthesis"),
+        (condition("((x[1]+1)*2) > 3"), "arithmetic behind a parenthesis"),
+        (condition("x[1] > 0 and (x[1])^2 > 3"), "arithmetic behind a parenthesis"),
+        (condition("not (x[1]) | x[2]"), "arithmetic behind a parenthesis"),
+        (condition("2*(x[1] > 0) > 1"), "stands only in conditions"),
+        (condition("-(x[1] > 0) < 0"), "stands only in conditions"),
+        (object("my_model = 01;"), "a number that begins with 0"),
+        (object("my_model = 00.5;"), "a number that begins with 0"),
+        (object("my_model = 1e05;"), "an exponent that begins with 0"),
+        (object("my_model = 1.5E-05;"), "an exponent that begins with 0"),
+        (object("array q[02]; my_model = 1;"), "a number that begins with 0"),
+        (object("my_model = 1;\r\n"), "a carriage return"),
+        (object("t = 2; array q[1]; q = [1]; my_model = 1;"), "an array declared after"),
+        (object("array q[1]; q = [x[1]]; my_model = 1;"), "an array literal with more"),
+        (object("array q[1]; q = [(1)]; my_model = 1;"), "an array literal with more"),
+        (object("array q[1]; q = [- -1]; my_model = 1;"), "an array literal with more"),
+        (object("t = 2;; my_model = 1;"), "an empty statement"),
+        (object("my_model = 1;;"), "an empty statement"),
+        (object("x[1] = 2; my_model = 1;"), "an assignment to coordinates"),
+        (object("a = [2]; my_model = 1;"), "an assignment to coordinates"),
+        (object("my_model = 1; my_model = 2;"), "after the object got its value"),
+        (object("my_model = 1; t = 2;"), "after the object got its value"),
+        (object("if x[1] > 0 then my_model = 1; endif;"), "inside `if` or `while`"),
+        (object("my_model = hfCylX(x, x, 1);"), "no function `hfcylx`"),
+        (
+            object("array q[1]; q = [1]; my_model = hfFMapBlob(x, 1, q, q, q, q, q);"),
+            "no function `hffmapblob`",
+        ),
+    ];
+    for (text, message) in texts {
+        assert_eq!(errors(&text), Vec::<String>::new(), "{text}");
+        let found = strict_errors(&text);
+        assert!(found.len() == 1 && found[0].contains(message), "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn what_the_strict_dialect_reads() {
+    for condition in [
+        "(x[1]+1) > 2",
+        "2*(x[1]+1) > 3",
+        "-(x[1]+1)*2 > 3",
+        "+(x[1]+1)*2 > 3",
+        "x[1]+(x[1]+1)*2 > 3",
+        "x[1] > (x[2]) and ((x[2] > 0) or not (x[1] > 0))",
+        "max((x[1]+1)*2, 1) > x[(1)*2]",
+    ] {
+        let text = object(&format!("if {condition} then f = 1; else f = 2; endif; my_model = f;"));
+        assert_eq!(strict_errors(&text), Vec::<String>::new(), "{condition}");
+    }
+    for body in [
+        "my_model = 0 + 0.5 + 10.0 + .5 + 5. + 1e5 + 1E+5 + 1e-12;",
+        "array q[2]; q = [-1, +1]; my_model = q[1];",
+        "s = [1, 2, 3]; s[1] = 2; my_model = s[1];",
+        "hfCylX = 1; hfFMapBlob = 2; my_model = hfCylX + hfFMapBlob;",
+    ] {
+        assert_eq!(strict_errors(&object(body)), Vec::<String>::new(), "{body}");
+    }
+    assert_eq!(strict("1e-12*1e12"), 1.0);
+}
+
+#[test]
+fn not_stands_only_before_a_condition() {
+    for dialect in [Dialect::Lenient, Dialect::Strict] {
+        for condition in ["2 + not x[1] > 0", "-not x[1]"] {
+            let text = object(&format!("if {condition} then f = 1; endif; my_model = 1;"));
+            let read = parse_hyperfun(&Source::new("test.hf", text.clone()), &options(dialect));
+            assert!(read.is_err_and(|e| e.list[0].message.contains("`not` stands only")), "{condition}");
+        }
+    }
+}
+
+/// The bounds of the value, in the file's own sign, over a box around [`POINT`].
+fn over_box(body: &str, dialect: Dialect, half: f64) -> [f64; 2] {
+    use fieldstone_field::{Input, Interval, reference};
+    let model = read_as(&object(body), dialect);
+    let side = |input| match input {
+        Input::Coordinate(k) => {
+            Interval { lo: POINT[usize::from(k)] - half, hi: POINT[usize::from(k)] + half }
+        }
+        _ => Interval { lo: 0.0, hi: 0.0 },
+    };
+    let value = reference::evaluate(model.field.graph(), &[model.field.value()], (), side, 1000)[0];
+    [-value.hi, -value.lo]
+}
+
+#[test]
+fn an_index_inside_is_defined_over_boxes() {
+    let list = "array q[5]; q = [10, 20, 30, 40, 50]; my_model = ";
+    for dialect in [Dialect::Lenient, Dialect::Strict] {
+        let read = |index: &str, half| over_box(&format!("{list}q[{index}];"), dialect, half);
+        assert_eq!(read("x[3]*3", 0.01), [40.0, 40.0]);
+        assert_eq!(read("x[3]*3", 0.3), [30.0, 50.0]);
+        assert_eq!(read("x[1]*2", 0.1), [10.0, 20.0]);
+        assert!(read("x[2]", 0.05)[0].is_nan() && read("x[3]*10", 0.05)[0].is_nan());
+        assert!(read("x[3]*3", 1.0)[0].is_nan());
+        let write = "array q[3]; q = [10, 20, 30]; q[x[1]*3] = 70; my_model = q[2] + q[1];";
+        assert_eq!(over_box(write, dialect, 0.01), [80.0, 80.0]);
+        assert_eq!(over_box(write, dialect, 0.2), [30.0, 140.0]);
+    }
+}
+
+#[test]
+fn an_index_finds_every_element() {
+    for length in [1, 2, 3, 4, 5, 7, 8, 13] {
+        let items = (1..=length).map(|i| (i * i).to_string()).collect::<Vec<_>>().join(", ");
+        let body = format!("array q[{length}]; q = [{items}]; my_model = q[x[1]];");
+        let model = read(&object(&body));
+        for i in 1..=length {
+            assert_eq!(at(&model, [f64::from(i) + 0.4, 0.0, 0.0]), f64::from(i * i), "{i} of {length}");
+        }
+        assert!(at(&model, [0.4, 0.0, 0.0]).is_nan());
+        assert!(at(&model, [f64::from(length) + 0.5, 0.0, 0.0]).is_nan());
+        assert!(at(&model, [f64::NAN, 0.0, 0.0]).is_nan());
+    }
+}
+
+#[test]
+fn an_undefined_value_of_an_unused_call_counts_in_the_strict_dialect_only() {
+    let unused = "t = hfA_Modulo(x[1], 0*x[2]); my_model = 1;";
+    assert_eq!(run(unused), 1.0);
+    assert!(run_as(unused, Dialect::Strict).is_nan());
+    let changed = "array p[3]; p = [1, 1, 1]; t = hfScale3D(p, 0*x[1], 1, 1) + p[1]*0; my_model = 1;";
+    assert_eq!(run(changed), 1.0);
+    assert_eq!(over_box("t = hfNoiseG(x, 1, 2, 3); my_model = 1;", Dialect::Strict, 0.3), [1.0, 1.0]);
 }
 
 #[test]

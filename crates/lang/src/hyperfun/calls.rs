@@ -25,7 +25,7 @@ pub(super) fn callee(parser: &mut Parser<'_>, name: Symbol, span: Span) -> Parse
     if let Some(builtin) = builtins::lookup(text) {
         return Ok(Callee::Builtin(builtin));
     }
-    if let Some(function) = library::lookup(text) {
+    if let Some(function) = library::lookup(text, parser.dialect()) {
         return Ok(Callee::Library(function));
     }
     let error = unknown(parser, name, span);
@@ -35,6 +35,10 @@ pub(super) fn callee(parser: &mut Parser<'_>, name: Symbol, span: Span) -> Parse
 fn unknown(parser: &Parser<'_>, name: Symbol, span: Span) -> Diagnostic {
     let text = parser.name(name);
     let error = |message: String, label: &str| Diagnostic::error(span.range(), message, label);
+    if let Some(reason) = library::unsupported(text) {
+        return error(format!("`{text}` cannot run: {reason}"), "no such function here")
+            .with_help("write its formula out in the model");
+    }
     if text == parser.own_name() {
         return error(format!("`{text}` calls itself"), "no recursion")
             .with_help("objects call only objects above them; repetition is written with `while`");

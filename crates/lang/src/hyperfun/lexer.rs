@@ -2,8 +2,13 @@
 //!
 //! Letter case means nothing in HyperFun: names are lower-cased here. What other languages write instead of a
 //! HyperFun symbol (`==`, `&&`, `//` …) is reported and read as meant, so that one slip gives one error.
+//!
+//! Numbers mean what they say in both dialects. The strict one refuses the forms that the C interpreter refuses (`01`,
+//! `1e05`) and carriage returns. It does not follow that interpreter in reading `1e-12` as 10⁻⁸: that is a slip of its
+//! scanner, which no model means.
 
 use super::report::{Report, Span};
+use crate::Dialect;
 use crate::diagnostic::Diagnostic;
 use std::collections::HashMap;
 
@@ -150,16 +155,35 @@ const FOREIGN: &[(&str, Token, &str)] = &[
     ("\u{b7}", Token::Times, "products are written `*`"),
 ];
 
-/// The tokens of a text, `End` last, and its names.
-pub(super) fn tokenize(text: &str, report: &mut Report) -> (Vec<(Token, Span)>, Names) {
+/// How many tokens a text may have.
+const MAX_TOKENS: usize = 8_000_000;
+
+/// The tokens of a text, `End` last, and its names. Reading ends when there are too many tokens or errors.
+pub(super) fn tokenize(text: &str, dialect: Dialect, report: &mut Report) -> (Vec<(Token, Span)>, Names) {
     let mut lexer = Lexer { text, at: 0, names: Names::new(), report };
+    if dialect == Dialect::Strict {
+        lexer.carriage_return();
+    }
     let mut tokens = Vec::new();
-    while let Some(token) = lexer.next() {
-        tokens.push(token);
+    while let Some((token, span)) = lexer.next() {
+        if dialect == Dialect::Strict && matches!(token, Token::Number(_)) {
+            lexer.check_number(span);
+        }
+        if tokens.len() == MAX_TOKENS {
+            let message = format!("the text has more than {MAX_TOKENS} words");
+            lexer.report.error(span, message, "here the limit is reached");
+        }
+        if tokens.len() == MAX_TOKENS || lexer.report.is_full() {
+            break;
+        }
+        tokens.push((token, span));
     }
     tokens.push((Token::End, Span::new(text.len(), text.len())));
     (tokens, lexer.names)
 }
+
+/// The label of what only the lenient dialect reads.
+pub(super) const NOT_IN_C: &str = "not in the language of the C interpreter";
 
 struct Lexer<'s, 'r> {
     text: &'s str,
@@ -199,6 +223,32 @@ impl<'s> Lexer<'s, '_> {
             }
             self.illegal();
         }
+    }
+
+    /// Reports the first carriage return, an illegal character of the C interpreter.
+    fn carriage_return(&mut self) {
+        if let Some(at) = self.text.find('\r') {
+            let span = Span::new(at, at + 1);
+            let error = Diagnostic::error(span.range(), "a carriage return", NOT_IN_C);
+            self.report.add(error.with_help("end lines with a line feed alone, or use the lenient dialect"));
+        }
+    }
+
+    /// Reports a number that the C interpreter refuses: one that begins with a superfluous 0, or whose exponent begins
+    /// with 0.
+    fn check_number(&mut self, span: Span) {
+        let text = self.text[span.range()].as_bytes();
+        let exponent = text.iter().position(|b| matches!(b, b'e' | b'E')).map(|e| &text[e + 1..]);
+        let exponent = exponent.map(|e| e.strip_prefix(b"-").or(e.strip_prefix(b"+")).unwrap_or(e));
+        let what = if text.len() > 1 && text[0] == b'0' && text[1].is_ascii_digit() {
+            "a number that begins with 0"
+        } else if exponent.is_some_and(|digits| digits.first() == Some(&b'0')) {
+            "an exponent that begins with 0"
+        } else {
+            return;
+        };
+        let error = Diagnostic::error(span.range(), what, NOT_IN_C);
+        self.report.add(error.with_help("the lenient dialect reads it"));
     }
 
     /// Blanks, comments, and what others write as comments.

@@ -334,10 +334,16 @@ impl<'p> Lowering<'p, '_> {
                 self.write_back(*slot, &values);
             }
         }
-        value.unwrap_or_else(|message| {
-            self.report.error(span, format!("`{}`: {message}", function.name), "in this call");
-            self.undefined
-        })
+        match value {
+            Ok(value) => {
+                self.require_value(value);
+                value
+            }
+            Err(message) => {
+                self.report.error(span, format!("`{}`: {message}", function.name), "in this call");
+                self.undefined
+            }
+        }
     }
 
     fn pass_array(&mut self, slot: SlotId, span: Span) -> Vec<NodeId> {
@@ -353,6 +359,7 @@ impl<'p> Lowering<'p, '_> {
         let place = self.place(slot);
         for (i, &value) in values.iter().take(self.length(slot)).enumerate() {
             if self.state.read(place + i).node != value {
+                self.require_value(value);
                 self.state.write(place + i, Cell::value(value));
             }
         }
@@ -409,15 +416,48 @@ impl<'p> Lowering<'p, '_> {
                 Ok(cell.node)
             }
             Index::Computed(index) => {
-                let mut value = self.undefined;
-                for (i, cell) in self.cells(slot).into_iter().enumerate().rev() {
-                    let hit = self.is_index(index, i);
-                    value = self.graph.select(hit, cell.node, value);
-                }
+                let elements: Vec<NodeId> = self.cells(slot).into_iter().map(|cell| cell.node).collect();
+                let value = self.element_at(index, &elements);
+                let value = self.within(index, elements.len(), value);
                 self.require_value(value);
                 Ok(value)
             }
         }
+    }
+
+    /// The element with the number `index`, a whole number that lies inside, by bisection: over sets only elements
+    /// that the index may reach are joined.
+    fn element_at(&mut self, index: NodeId, elements: &[NodeId]) -> NodeId {
+        let mut level = elements.to_vec();
+        // Halves of size 1, 2, 4, … are joined; `width` is the number of elements behind each node of a level.
+        let mut width = 1;
+        while level.len() > 1 {
+            let pairs = level.chunks(2).enumerate();
+            level = pairs
+                .map(|(k, pair)| match *pair {
+                    [low, high] => {
+                        let is_low = self.is_below(index, (2 * k + 1) * width);
+                        self.graph.select(is_low, low, high)
+                    }
+                    _ => pair[0],
+                })
+                .collect();
+            width *= 2;
+        }
+        level.first().copied().unwrap_or(self.undefined)
+    }
+
+    /// Whether an index, counted from 1, is one of the first `count`.
+    fn is_below(&mut self, index: NodeId, count: usize) -> NodeId {
+        let limit = self.graph.constant(count as f64 + 0.5);
+        self.graph.lt(index, limit)
+    }
+
+    /// `value` where an index, counted from 1, is one of the first `length`, undefined elsewhere.
+    fn within(&mut self, index: NodeId, length: usize, value: NodeId) -> NodeId {
+        let (below, inside) = (self.is_below(index, 0), self.is_below(index, length));
+        let value = self.graph.select(inside, value, self.undefined);
+        self.graph.select(below, self.undefined, value)
     }
 
     fn is_index(&mut self, index: NodeId, element: usize) -> NodeId {
@@ -432,14 +472,14 @@ impl<'p> Lowering<'p, '_> {
             Index::Outside => {}
             Index::Known(i) => self.state.write(place + i, Cell::value(value)),
             Index::Computed(index) => {
-                let mut inside = self.undefined;
-                for i in 0..self.length(slot) {
+                let length = self.length(slot);
+                for i in 0..length {
                     let hit = self.is_index(index, i);
                     let old = self.state.read(place + i);
                     let new = self.graph.select(hit, value, old.node);
                     self.state.write(place + i, Cell::value(new));
-                    inside = self.graph.select(hit, self.zero, inside);
                 }
+                let inside = self.within(index, length, self.zero);
                 self.require_value(inside);
             }
         }
@@ -556,8 +596,14 @@ impl<'p> Lowering<'p, '_> {
     /// In the strict dialect, an undefined value is an error of the whole point, even if nothing uses it.
     fn require_value(&mut self, value: NodeId) {
         if self.dialect == Dialect::Strict {
-            let defined = self.graph.eq(value, value);
-            self.checked(strict::Checked { value, defined });
+            // 0, or undefined where the value is: over sets too.
+            let negative = self.graph.min(value, self.zero);
+            let nothing = self.graph.max(negative, self.zero);
+            let poison = self.state.read(POISON).node;
+            let after = self.graph.add(poison, nothing);
+            if after != poison {
+                self.state.write(POISON, Cell::value(after));
+            }
         }
     }
 }

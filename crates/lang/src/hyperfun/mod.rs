@@ -63,13 +63,19 @@ fn read(text: &str, options: &HyperFunOptions, report: &mut Report) -> Option<Mo
         report.error(Span::new(0, 0), "the file is larger than 4 GiB", "too large");
         return None;
     }
-    let (tokens, names) = lexer::tokenize(text, report);
+    let (tokens, names) = lexer::tokenize(text, options.dialect, report);
+    if report.is_full() {
+        return None;
+    }
     let objects = parser::parse(text, tokens, names, options.dialect, report);
     if report.has_errors() {
         return None;
     }
     let chosen = choose(&objects, options.object.as_deref(), report)?;
     let lowered = lower::lower(&objects, chosen, options.dialect, report).ok()?;
+    if report.has_errors() {
+        return None;
+    }
     Some(model(&objects, chosen, lowered, report))
 }
 

@@ -6,7 +6,7 @@
 mod statements;
 
 use super::ast::{A, OWN, Object, S, Slot, SlotId, Statement, X};
-use super::lexer::{Names, Symbol, Token};
+use super::lexer::{NOT_IN_C, Names, Symbol, Token};
 use super::report::{Report, Span};
 use super::{builtins, hints, library};
 use crate::Dialect;
@@ -145,6 +145,10 @@ impl<'s> Parser<'s> {
         self.text[..span.start as usize].matches('\n').count() + 1
     }
 
+    pub(super) fn dialect(&self) -> Dialect {
+        self.dialect
+    }
+
     pub(super) fn strict(&self) -> bool {
         self.dialect == Dialect::Strict
     }
@@ -161,7 +165,7 @@ impl<'s> Parser<'s> {
     /// Reports what the C interpreter would not read, if it is asked for.
     pub(super) fn extension(&mut self, span: Span, what: &str) {
         if self.strict() {
-            let error = Diagnostic::error(span.range(), what, "not in the language of the C interpreter");
+            let error = Diagnostic::error(span.range(), what, NOT_IN_C);
             self.report.add(error.with_help("the lenient dialect reads it"));
         }
     }
@@ -254,7 +258,7 @@ impl<'s> Parser<'s> {
         let text = self.name(name);
         if matches!(name, Symbol::X | Symbol::A | Symbol::S) {
             Some("the name of an array that every object has")
-        } else if builtins::lookup(text).is_some() || library::lookup(text).is_some() {
+        } else if builtins::lookup(text).is_some() || library::lookup(text, self.dialect).is_some() {
             Some("the name of a function")
         } else {
             None

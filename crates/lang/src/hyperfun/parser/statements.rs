@@ -147,7 +147,7 @@ impl Parser<'_> {
 
     fn if_statement(&mut self) -> Parsed<Statement> {
         let span = self.bump();
-        let condition = expression::parse(self, true)?;
+        let condition = self.condition(Token::Then)?;
         self.expect_word(Token::Then, "then", "after the condition of `if` stands `then`")?;
         let then = self.block();
         let otherwise = if self.accept(Token::Else) { self.block() } else { Vec::new() };
@@ -157,11 +157,29 @@ impl Parser<'_> {
 
     fn while_statement(&mut self) -> Parsed<Statement> {
         let span = self.bump();
-        let condition = expression::parse(self, true)?;
+        let condition = self.condition(Token::Loop)?;
         self.expect_word(Token::Loop, "loop", "after the condition of `while` stands `loop`")?;
         let body = self.block();
         self.close_block(Token::Endloop, "`endloop`", span)?;
         Ok(Statement::While { condition, body, span })
+    }
+
+    /// The condition in front of a word. If it cannot be read, its block is read all the same: what ends the block would
+    /// be an error otherwise.
+    fn condition(&mut self, word: Token) -> Parsed<Code> {
+        expression::parse(self, true).or_else(|reported| {
+            let mut rest = self.tokens[self.at..].iter().map(|token| token.0);
+            let ends = |token: &Token| {
+                use Token::*;
+                matches!(token, Then | Loop | Else | Endif | Endloop | Semicolon | CloseBrace | End)
+            };
+            let length = rest.clone().take_while(|token| !ends(token)).count();
+            if rest.nth(length) != Some(word) {
+                return Err(reported);
+            }
+            self.at += length;
+            Ok(Code::new())
+        })
     }
 
     fn expect_word(&mut self, token: Token, word: &str, help: &str) -> Parsed<()> {
@@ -279,14 +297,22 @@ impl Parser<'_> {
         Ok(if self.peek() == Token::Equal { self.declare(name, None) } else { OWN })
     }
 
+    /// Whether a number, perhaps with one sign, stands here alone.
+    fn is_signed_number(&self) -> bool {
+        let signs = usize::from(matches!(self.peek(), Token::Plus | Token::Minus));
+        let token = |i: usize| self.tokens.get(self.at + i).map(|t| t.0);
+        matches!(token(signs), Some(Token::Number(_)))
+            && matches!(token(signs + 1), Some(Token::Comma | Token::CloseBracket))
+    }
+
     /// `[ … ]` with a value for each element.
     fn literal(&mut self, target: SlotId) -> Parsed<Vec<Code>> {
         let open = self.bump();
         let mut items = Vec::new();
         loop {
-            let span = self.span();
+            let (span, is_number) = (self.span(), self.is_signed_number());
             items.push(expression::parse(self, false)?);
-            if !expression::is_signed_number(items.last()) {
+            if !is_number {
                 self.extension(span, "an array literal with more than numbers");
             }
             if !self.accept(Token::Comma) {
