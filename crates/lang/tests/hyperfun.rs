@@ -677,3 +677,160 @@ fn no_text_panics() {
     }
     assert!(read > 80, "only {read} of the texts could be read");
 }
+
+#[test]
+fn objects_call_objects_further_down() {
+    let text = "my_model(x[3], a[1]) { my_model = twice(x, a); }
+        twice(x[3], a[1]) { twice = 2*once(x, a); }
+        once(x[3], a[1]) { once = x[1]; }";
+    assert_eq!(at(&read(text), POINT), 1.4);
+    assert!(strict_errors(text)[0].contains("`twice` is defined further down"));
+    let wrong = text.replace("once(x, a)", "once(x, x)");
+    assert!(errors(&wrong)[0].contains("`a` of `once` has 1 element"), "{:?}", errors(&wrong));
+}
+
+/// An object that calls itself `a[1]` times, and a model that lets it.
+fn recursion(statements: &str, times: usize) -> String {
+    format!(
+        "my_model(x[3], a[1]) {{ array n[1]; n[1] = {times}; my_model = f(x, n); }}
+         f(x[3], a[1]) {{ array n[1]; n[1] = a[1] - 1; v = 1; {statements} f = v; }}"
+    )
+}
+
+#[test]
+fn objects_call_themselves_a_known_number_of_times() {
+    let power = |times| recursion("if a[1] > 0 then v = x[1]*f(x, n); endif;", times);
+    assert_close(at(&read(&power(5)), POINT), 0.7_f64.powi(5));
+    assert_close(at(&read(&power(150)), [0.99, 0.0, 0.0]), 0.99_f64.powi(150));
+    assert!(strict_errors(&power(5)).iter().any(|e| e.contains("`f` calls itself")));
+    // Fibonacci's numbers, by two calls each.
+    let two = "if a[1] > 1 then v = f(x, n); n[1] = n[1] - 1; v = v + f(x, n); endif;";
+    assert_eq!(at(&read(&recursion(two, 15)), POINT), 987.0);
+}
+
+#[test]
+fn objects_call_each_other() {
+    let text = "my_model(x[3], a[1]) { array n[1]; n = [7]; my_model = even(x, n); }
+        even(x[3], a[1]) { v = 1; if a[1] > 0 then a[1] = a[1] - 1; v = odd(x, a); endif; even = v; }
+        odd(x[3], a[1]) { v = 0; if a[1] > 0 then a[1] = a[1] - 1; v = even(x, a); endif; odd = v; }";
+    assert_eq!(at(&read(text), POINT), 0.0);
+    assert_eq!(at(&read(&text.replace('7', "8")), POINT), 1.0);
+}
+
+#[test]
+fn mengers_sponge_by_recursion() {
+    let text = "my_model(x[3], a[1]) { array n[1]; n = [5]; my_model = sponge(x, n); }
+        sponge(x[3], a[1]) {
+          array p[3], n[1];
+          i = 1;
+          while i <= 3 loop q = x[i] + 1; p[i] = q - 2*floor(q/2) - 1; i = i + 1; endloop;
+          u = abs(p[1])*3 - 1; v = abs(p[2])*3 - 1; w = abs(p[3])*3 - 1;
+          f = min(max(u, v), min(max(v, w), max(w, u)));
+          if a[1] > 1 then
+            n[1] = a[1] - 1; p[1] = p[1]*3; p[2] = p[2]*3; p[3] = p[3]*3;
+            f = min(f, sponge(p, n)/3);
+          endif;
+          sponge = f;
+        }";
+    let model = read(text);
+    // A point lies in the sponge unless two of its coordinates have the ternary digit 1 at one place.
+    let is_inside = |point: [f64; 3]| {
+        let mut digits = point.map(|p| (p + 1.0) / 2.0);
+        (0..5).all(|_| {
+            digits = digits.map(|d| (d - d.floor()) * 3.0);
+            digits.iter().filter(|d| d.floor() == 1.0).count() < 2
+        })
+    };
+    let mut random = Random(1);
+    let mut inside = 0;
+    for _ in 0..2000 {
+        let point = [(); 3].map(|()| random.below(1 << 20) as f64 / f64::from(1 << 19) - 1.0);
+        assert_eq!(at(&model, point) > 0.0, is_inside(point), "{point:?}");
+        inside += usize::from(is_inside(point));
+    }
+    assert!((400..500).contains(&inside), "{inside}");
+}
+
+#[test]
+fn recursion_without_a_known_end_is_an_error() {
+    let depends = "if x[1] > a[1] then v = f(x, n); endif;";
+    let message = |text: &str| {
+        parse_hyperfun(&Source::new("t", text), &options(Dialect::Lenient))
+            .map(|_| ())
+            .unwrap_err()
+            .to_string()
+    };
+    let told = message(&recursion(depends, 3));
+    assert!(told.contains("calls itself again and again") && told.contains("depends on `x[1]`"), "{told}");
+    let told = message(&recursion("v = f(x, n) + f(x, n);", 3));
+    assert!(told.contains("no condition ends it") && told.contains("`my_model` → `f` → `f`"), "{told}");
+    let told = message(&recursion("if a[1] > 0 then v = f(x, n) + f(x, n); endif;", 100));
+    assert!(told.contains("more than") && told.contains("`my_model` → `f` → `f`"), "{told}");
+}
+
+#[test]
+fn lengths_of_arrays_are_computed() {
+    assert_eq!(run("n = 3; array q[2*n + 1]; q[7] = 5; my_model = q[7];"), 5.0);
+    let body = "n = 2; array p[n], q[n*n]; q = [1, 2, 3, 4]; p = [5, 6]; my_model = p[2]*10 + q[4];";
+    assert_eq!(run(body), 64.0);
+    let filled = "n = 1; while n < 6 loop n = n + 2; endloop; array q[n]; i = 1;
+        while i <= n loop q[i] = x[1]*i; i = i + 1; endloop; my_model = q[7] + q[x[3]];";
+    assert_close(run(filled), 0.7 * 8.0);
+    assert!(
+        warnings(
+            "n = 2; array q[n]; q[1] = 1; if x[1] > 9 then f = q[2]; else f = x[1]; endif; my_model = f;"
+        )[0]
+        .contains("`q[2]` has no value")
+    );
+    let known = "if 1 > 0 then n = 2; array q[n]; q = [1, 2]; endif; my_model = q[2];";
+    assert_eq!(run(known), 2.0);
+}
+
+#[test]
+fn arrays_of_computed_length_are_passed() {
+    let text = "ball(x[3], a[1], s[2]) { s[2] = s[1] + 1; ball = x[3]; }
+        my_model(x[3], a[1], s[3]) { n = 1; array p[n + 2], c[n + 1]; p = [1, 2, 3]; c = [4, 0];
+        my_model = ball(p, a, c)*0 + c[2]*0 + hfSphere(p, p, 2); }";
+    assert_eq!(at(&read(text), POINT), 4.0);
+    let wrong = text.replace("p[n + 2]", "p[n + 3]").replace("p = [1, 2, 3]", "p = [1, 2, 3, 4]");
+    assert!(errors(&wrong)[0].contains("`p` has 4 elements here, not 3"), "{:?}", errors(&wrong));
+}
+
+#[test]
+fn each_call_has_its_own_arrays() {
+    let text = "my_model(x[3], a[1]) { array n[1]; n = [4]; my_model = sum(x, n); }
+        sum(x[3], a[1]) { n = a[1]; array q[n], b[1]; i = 1;
+        while i <= n loop q[i] = i*x[1]; i = i + 1; endloop;
+        f = 0; if n > 1 then b[1] = n - 1; f = sum(x, b); endif; sum = f + q[n]; }";
+    assert_close(at(&read(text), POINT), 0.7 * 10.0);
+    // The cells of the call must not be taken for those of the array that is declared where they were.
+    let branches = "my_model(x[3], a[1]) { f = 0; n = 2;
+        if x[1] > 0 then f = one(x, a); array q[n]; q = [3, 4]; f = f + q[1]; endif; my_model = f; }
+        one(x[3], a[1]) { t = 5; u = 6; one = t + u; }";
+    assert_eq!(at(&read(branches), POINT), 14.0);
+    let warned = branches.replace("endif;", "endif; f = f + q[2];");
+    let messages: Vec<String> = read(&warned).warnings.into_iter().map(|w| w.message).collect();
+    assert_eq!(messages, ["`q[2]` may have no value"]);
+}
+
+#[test]
+fn lengths_that_are_not_known_are_errors() {
+    for (body, part) in [
+        ("array q[x[1]];", "the length of `q` is not known"),
+        ("array q[a[1] + 1];", "the length of `q` is not known"),
+        ("i = 0; while i < x[1] loop i = i + 1; endloop; array q[i];", "the length of `q` is not known"),
+        ("n = 2.5; array q[n];", "`q` cannot have 2.5 elements"),
+        ("array q[70000 + 0];", "`q` cannot have 70000 elements"),
+        ("array q[0/0];", "`q` cannot have NaN elements"),
+        ("array q[2*];", "unexpected `]`"),
+        ("array q[n];", "`n` has no value here"),
+        ("if 1 > 2 then n = 2; array q[n]; endif; q[1] = 1;", "`q` has no length here"),
+        ("n = 2; if x[1] > 0 then array q[n]; n = 3; endif; array r[n];", "the length of `r` is not known"),
+        ("n = 2; array q[n]; q = [1, 2, 3];", "`q` has 2 elements, not 3"),
+    ] {
+        let found = errors(&object(&format!("{body} my_model = 1;")));
+        assert!(found.len() == 1 && found[0].contains(part), "{body}: {found:?}");
+    }
+    let text = object("my_model = x[1]*0 + 1; n = 2; array q[n];");
+    assert!(strict_errors(&text).iter().any(|e| e.contains("unexpected `n`")));
+}

@@ -87,6 +87,7 @@ enum FrameKind {
 /// A call whose arguments are being read.
 struct OpenCall {
     callee: Callee,
+    name: Symbol,
     arguments: Vec<calls::Passed>,
     /// The argument that is being read.
     array: Option<SlotId>,
@@ -206,7 +207,7 @@ impl Expression<'_, '_> {
             return self.call(name, span);
         }
         let slot = self.parser.variable(name);
-        let array = slot.filter(|&slot| self.parser.slot(slot).length.is_some());
+        let array = slot.filter(|&slot| self.parser.slot(slot).is_array());
         match (array, slot) {
             (Some(array), _) if self.parser.peek() == Token::OpenBracket => {
                 self.parser.bump();
@@ -250,7 +251,7 @@ impl Expression<'_, '_> {
         let callee = calls::callee(self.parser, name, span)?;
         self.parser.bump();
         let start = self.parser.span();
-        let call = OpenCall { callee, arguments: Vec::new(), array: None, start };
+        let call = OpenCall { callee, name, arguments: Vec::new(), array: None, start };
         self.open(FrameKind::Call(Box::new(call)), span)?;
         if self.parser.peek() == Token::Close {
             // No arguments: `operators` closes the call.
@@ -263,7 +264,7 @@ impl Expression<'_, '_> {
     fn array_argument(&mut self) -> bool {
         let Token::Name(name) = self.parser.peek() else { return false };
         let after = self.parser.peek_after();
-        let array = self.parser.variable(name).filter(|&slot| self.parser.slot(slot).length.is_some());
+        let array = self.parser.variable(name).filter(|&slot| self.parser.slot(slot).is_array());
         let Some(array) = array.filter(|_| !matches!(after, Token::OpenBracket | Token::Open)) else {
             return false;
         };
@@ -418,7 +419,7 @@ impl Expression<'_, '_> {
             matches!(frame, Some(Frame { kind: FrameKind::Group { condition: true }, .. }));
         if let Some(Frame { kind: FrameKind::Call(call), open, .. }) = frame {
             let span = open.to(close);
-            calls::check(self.parser, call.callee, &call.arguments, span)?;
+            calls::check(self.parser, (call.callee, call.name), &call.arguments, span)?;
             let arguments = call.arguments.iter().map(|a| a.array).collect();
             let call = Call { callee: call.callee, arguments };
             self.code.push(Step { action: Action::Call(Box::new(call)), span });

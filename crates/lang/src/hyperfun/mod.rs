@@ -11,6 +11,7 @@
 //!
 //! Texts are not trusted: depth, number of operations and number of steps have limits, which are errors.
 
+mod arrays;
 mod ast;
 mod builtins;
 mod calls;
@@ -18,8 +19,10 @@ mod expression;
 mod hints;
 mod lexer;
 pub(crate) mod library;
+mod limits;
 mod loops;
 mod lower;
+mod operators;
 mod parser;
 mod report;
 mod state;
