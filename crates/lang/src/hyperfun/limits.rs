@@ -8,7 +8,7 @@ use fieldstone_field::{Input, Node, NodeId};
 /// How many nodes a program may have.
 const MAX_NODES: usize = 4_000_000;
 /// How many steps may be followed.
-const MAX_STEPS: usize = 30_000_000;
+const MAX_STEPS: usize = 10_000_000;
 /// How deep blocks and calls may lie in each other.
 const MAX_DEPTH: usize = 500;
 /// How deep calls may lie in each other.

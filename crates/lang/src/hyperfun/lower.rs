@@ -10,13 +10,16 @@
 
 use super::arrays::Place;
 use super::ast::{A, Call, Callee, Code, OWN, Object, S, SlotId, Statement, Step, X};
+use super::counted::MAX_OPERATIONS;
 use super::library::{Argument, Context};
+use super::loops::LoopLimits;
 use super::report::{Report, Span};
 use super::state::{Assigned, Cell, State};
 use super::strict;
 use crate::Dialect;
 use crate::diagnostic::Diagnostic;
 use fieldstone_field::{Graph, Input, LoopId, NodeId};
+use std::collections::HashSet;
 
 /// The cell that is undefined after an error of the strict dialect.
 pub(super) const POISON: usize = 0;
@@ -36,7 +39,7 @@ pub(super) struct Lowered {
 pub(super) fn lower(
     objects: &[Object],
     chosen: usize,
-    dialect: Dialect,
+    (dialect, limits): (Dialect, LoopLimits),
     report: &mut Report,
 ) -> Followed<Lowered> {
     let mut graph = Graph::new();
@@ -55,6 +58,10 @@ pub(super) fn lower(
         calls: vec![chosen],
         depth: 0,
         steps: 0,
+        operations: 0,
+        limits,
+        counting_budget: MAX_OPERATIONS,
+        long_loops: HashSet::new(),
         zero,
         undefined,
         report,
@@ -100,6 +107,13 @@ pub(super) struct Lowering<'p, 'r> {
     pub(super) calls: Vec<usize>,
     pub(super) depth: usize,
     pub(super) steps: usize,
+    /// How many nodes were made that are not numbers.
+    pub(super) operations: usize,
+    pub(super) limits: LoopLimits,
+    /// How many operations may still be spent on counting the turns of loops.
+    pub(super) counting_budget: usize,
+    /// Where the loops begin that were too long to be written out.
+    pub(super) long_loops: HashSet<u32>,
     pub(super) zero: NodeId,
     pub(super) undefined: NodeId,
     pub(super) report: &'r mut Report,
@@ -163,7 +177,9 @@ impl<'p> Lowering<'p, '_> {
                     None => self.state.write(self.range(*target).start, Cell::value(value)),
                     Some(index) => {
                         let index = self.evaluate(index)?;
+                        let before = self.graph.len();
                         self.write_element(*target, index, value, *span)?;
+                        self.operations += self.graph.len() - before;
                     }
                 }
             }
@@ -212,6 +228,7 @@ impl<'p> Lowering<'p, '_> {
 
     fn step(&mut self, step: &'p Step) -> Followed<()> {
         use super::ast::Action::*;
+        let before = self.graph.len();
         match &step.action {
             Number(value) => {
                 let node = self.graph.constant(*value);
@@ -230,7 +247,15 @@ impl<'p> Lowering<'p, '_> {
             Call(call) => {
                 let node = self.call(call, step.span)?;
                 self.push(node);
+                if matches!(call.callee, Callee::Object(_)) {
+                    // Its own steps were counted.
+                    return Ok(());
+                }
             }
+        }
+        let result = self.stack.last().and_then(|operand| self.graph.constant_value(operand.node));
+        if result.is_none() {
+            self.operations += self.graph.len() - before;
         }
         Ok(())
     }

@@ -15,6 +15,7 @@ mod arrays;
 mod ast;
 mod builtins;
 mod calls;
+mod counted;
 mod expression;
 mod hints;
 mod lexer;
@@ -33,6 +34,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Source};
 use crate::model::{FileSign, Model, Object, Parameter, UpAxis};
 use crate::suggest;
 use fieldstone_field::{Field, Input};
+use loops::LoopLimits;
 use lower::Lowered;
 use report::{Report, Span};
 
@@ -54,14 +56,14 @@ pub struct HyperFunOptions {
 /// All that is wrong with the text, each with its place, up to a limit.
 pub fn parse_hyperfun(source: &Source, options: &HyperFunOptions) -> Result<Model, Diagnostics> {
     let mut report = Report::default();
-    match read(&source.text, options, &mut report) {
+    match read(&source.text, options, LoopLimits::default(), &mut report) {
         Some(model) if !report.has_errors() => Ok(Model { warnings: report.into_list(), ..model }),
         _ => Err(Diagnostics { source: source.clone(), list: report.into_list() }),
     }
 }
 
 /// The model; `None` only after an error.
-fn read(text: &str, options: &HyperFunOptions, report: &mut Report) -> Option<Model> {
+fn read(text: &str, options: &HyperFunOptions, limits: LoopLimits, report: &mut Report) -> Option<Model> {
     if u32::try_from(text.len()).is_err() {
         report.error(Span::new(0, 0), "the file is larger than 4 GiB", "too large");
         return None;
@@ -75,7 +77,7 @@ fn read(text: &str, options: &HyperFunOptions, report: &mut Report) -> Option<Mo
         return None;
     }
     let chosen = choose(&objects, options.object.as_deref(), report)?;
-    let lowered = lower::lower(&objects, chosen, options.dialect, report).ok()?;
+    let lowered = lower::lower(&objects, chosen, (options.dialect, limits), report).ok()?;
     if report.has_errors() {
         return None;
     }
