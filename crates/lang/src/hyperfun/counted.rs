@@ -8,7 +8,7 @@ use fieldstone_field::{Binary, Domain, Graph, LoopId, Node, NodeId, Unary};
 use std::collections::HashMap;
 
 /// How many operations may be spent on running the loops of a text.
-pub(super) const MAX_OPERATIONS: usize = 100_000_000;
+pub(super) const MAX_OPERATIONS: usize = 20_000_000;
 
 /// A loop of a graph, whose carried values are counted from 0.
 pub(super) struct Parts<'a> {

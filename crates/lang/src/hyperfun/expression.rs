@@ -116,7 +116,9 @@ impl Expression<'_, '_> {
     }
 
     fn open(&mut self, kind: FrameKind, open: Span) -> Parsed<()> {
-        if self.frames.len() > MAX_DEPTH {
+        // An element of an array may stand inside of all parentheses.
+        let depth = self.frames.len() - usize::from(matches!(kind, FrameKind::Index(_)));
+        if depth > MAX_DEPTH {
             let message = format!("more than {MAX_DEPTH} parentheses and brackets inside each other");
             let error = Diagnostic::error(open.range(), message, "nested too deep");
             return Err(self.parser.fail(error));

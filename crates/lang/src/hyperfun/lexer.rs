@@ -9,8 +9,8 @@
 
 use super::report::{Report, Span};
 use crate::Dialect;
-use crate::diagnostic::Diagnostic;
-use std::collections::HashMap;
+use crate::diagnostic::{Diagnostic, MAX_NAME, MAX_WORDS};
+use rustc_hash::FxHashMap;
 
 /// A lower-cased name, by number.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -25,12 +25,12 @@ impl Symbol {
 /// The names of a text.
 pub(super) struct Names {
     list: Vec<String>,
-    known: HashMap<String, Symbol>,
+    known: FxHashMap<String, Symbol>,
 }
 
 impl Names {
     fn new() -> Self {
-        let mut names = Self { list: Vec::new(), known: HashMap::new() };
+        let mut names = Self { list: Vec::new(), known: FxHashMap::default() };
         for name in ["x", "a", "s"] {
             names.intern(name.to_owned());
         }
@@ -155,11 +155,12 @@ const FOREIGN: &[(&str, Token, &str)] = &[
     ("\u{b7}", Token::Times, "products are written `*`"),
 ];
 
-/// How many tokens a text may have.
-const MAX_TOKENS: usize = 8_000_000;
-
-/// The tokens of a text, `End` last, and its names. Reading ends when there are too many tokens or errors.
-pub(super) fn tokenize(text: &str, dialect: Dialect, report: &mut Report) -> (Vec<(Token, Span)>, Names) {
+/// The tokens of a text, `End` last, and its names; `None` if there are too many tokens or errors.
+pub(super) fn tokenize(
+    text: &str,
+    dialect: Dialect,
+    report: &mut Report,
+) -> Option<(Vec<(Token, Span)>, Names)> {
     let mut lexer = Lexer { text, at: 0, names: Names::new(), report };
     if dialect == Dialect::Strict {
         lexer.carriage_return();
@@ -169,17 +170,15 @@ pub(super) fn tokenize(text: &str, dialect: Dialect, report: &mut Report) -> (Ve
         if dialect == Dialect::Strict && matches!(token, Token::Number(_)) {
             lexer.check_number(span);
         }
-        if tokens.len() == MAX_TOKENS {
-            let message = format!("the text has more than {MAX_TOKENS} words");
+        if tokens.len() == MAX_WORDS {
+            let message = format!("the text has more than {MAX_WORDS} words");
             lexer.report.error(span, message, "here the limit is reached");
-        }
-        if tokens.len() == MAX_TOKENS || lexer.report.is_full() {
-            break;
+            return None;
         }
         tokens.push((token, span));
     }
     tokens.push((Token::End, Span::new(text.len(), text.len())));
-    (tokens, lexer.names)
+    (!lexer.report.is_full()).then_some((tokens, lexer.names))
 }
 
 /// The label of what only the lenient dialect reads.
@@ -205,7 +204,7 @@ impl<'s> Lexer<'s, '_> {
     }
 
     fn next(&mut self) -> Option<(Token, Span)> {
-        loop {
+        while !self.report.is_full() {
             self.skip_blanks();
             let first = self.rest().chars().next()?;
             if first.is_ascii_alphabetic() || first == '_' {
@@ -223,6 +222,7 @@ impl<'s> Lexer<'s, '_> {
             }
             self.illegal();
         }
+        None
     }
 
     /// Reports the first carriage return, an illegal character of the C interpreter.
@@ -283,8 +283,11 @@ impl<'s> Lexer<'s, '_> {
     fn name(&mut self) -> (Token, Span) {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let length = self.rest().find(|c| !is_part(c)).unwrap_or(self.rest().len());
-        let text = self.rest()[..length].to_ascii_lowercase();
+        let text = self.rest()[..length.min(MAX_NAME)].to_ascii_lowercase();
         let span = self.take(length);
+        if length > MAX_NAME {
+            self.report.error(span, format!("a name of more than {MAX_NAME} letters"), "too long");
+        }
         if text.starts_with('_') {
             self.report.error(span, "a name begins with a letter", "not with an underscore");
         }

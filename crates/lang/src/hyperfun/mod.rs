@@ -68,10 +68,7 @@ fn read(text: &str, options: &HyperFunOptions, limits: LoopLimits, report: &mut 
         report.error(Span::new(0, 0), "the file is larger than 4 GiB", "too large");
         return None;
     }
-    let (tokens, names) = lexer::tokenize(text, options.dialect, report);
-    if report.is_full() {
-        return None;
-    }
+    let (tokens, names) = lexer::tokenize(text, options.dialect, report)?;
     let objects = parser::parse(text, tokens, names, options.dialect, report);
     if report.has_errors() {
         return None;

@@ -14,10 +14,15 @@ use super::{builtins, hints, library};
 use crate::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// How many elements an array may have: inputs are numbered by 16 bits.
 pub(super) const MAX_ELEMENTS: f64 = 65_535.0;
+
+/// How many values all variables of an object may have.
+const MAX_VALUES: usize = 1_000_000;
+/// How far is looked for what a writer may have meant.
+const MAX_SEARCH: usize = 10_000;
 
 /// Stands for an error that is in the report.
 pub(super) struct Reported;
@@ -52,7 +57,7 @@ pub(super) fn parse(
 #[derive(Default)]
 struct Scope {
     slots: Vec<Slot>,
-    known: HashMap<Symbol, SlotId>,
+    known: FxHashMap<Symbol, SlotId>,
     /// How often the object's own name was assigned.
     results: usize,
     /// How many arrays of computed length there are.
@@ -89,7 +94,7 @@ pub(super) struct Header {
 
 /// The headers of all objects, which may be called above their texts; of each name the first.
 struct Headers {
-    known: HashMap<Symbol, Header>,
+    known: FxHashMap<Symbol, Header>,
 }
 
 impl Headers {
@@ -99,7 +104,7 @@ impl Headers {
             Some(Token::Number(size)) => size as usize,
             _ => 0,
         };
-        let mut headers = Self { known: HashMap::new() };
+        let mut headers = Self { known: FxHashMap::default() };
         for at in 0..tokens.len() {
             let Token::Name(name) = tokens[at].0 else { continue };
             if !is_header(&tokens[at..]) {
@@ -276,10 +281,10 @@ impl<'s> Parser<'s> {
 
     fn check_object_name(&mut self, name: Symbol, span: Span) {
         let text = self.name(name);
-        if let Some(first) = self.objects.iter().find(|o| o.name == text) {
+        if let Some(first) = self.header_of(name).filter(|header| header.at < self.at) {
             let message = format!("two objects are called `{text}`");
             let error = Diagnostic::error(span.range(), message, "second object of this name");
-            let help = format!("the first one begins in line {}", self.line(first.span));
+            let help = format!("the first one begins in line {}", self.line(self.tokens[first.at].1));
             self.report.add(error.with_help(help));
         } else if let Some(what) = self.reserved(name) {
             self.report.error(span, format!("`{text}` is {what}"), "expected another name");
@@ -429,10 +434,12 @@ impl<'s> Parser<'s> {
     /// Reports a name without a value, which counts as a variable from then on.
     pub(super) fn unknown_variable(&mut self, name: Symbol, span: Span) {
         let text = self.name(name).to_owned();
-        let later = self.tokens[self.at..].windows(2).take_while(|w| w[0].0 != Token::CloseBrace);
+        let later = self.tokens[self.at..].windows(2).take(MAX_SEARCH);
+        let later = later.take_while(|w| w[0].0 != Token::CloseBrace);
         let assigned_later = later.into_iter().any(|w| w[0].0 == Token::Name(name) && w[1].0 == Token::Equal);
         let known =
             self.scope.slots.iter().enumerate().filter(|(i, _)| *i != OWN).map(|(_, s)| s.name.as_str());
+        let known = known.take(MAX_SEARCH);
         let help = if assigned_later {
             "it gets its value only further down".to_owned()
         } else if let Some(help) = hints::foreign_value(&text) {

@@ -1,6 +1,6 @@
 //! From tokens to statements.
 
-use super::{Parsed, Parser, Reported, is_header};
+use super::{MAX_VALUES, Parsed, Parser, Reported, is_header};
 use crate::diagnostic::Diagnostic;
 use crate::hyperfun::ast::{A, Code, Extent, OWN, Slot, SlotId, Statement, X};
 use crate::hyperfun::lexer::{Symbol, Token};
@@ -123,6 +123,10 @@ impl Parser<'_> {
         if is_number || self.strict() {
             let size = self.size()?;
             self.declare_array(name, span, Extent::Array(size));
+            if self.scope.slots.last().is_some_and(|slot| slot.end() > MAX_VALUES) {
+                let message = format!("`{}` has more than {MAX_VALUES} values in all", self.own_name());
+                return Err(self.fail(Diagnostic::error(span.range(), message, "here the limit is reached")));
+            }
             return Ok(None);
         }
         let start = self.span();
