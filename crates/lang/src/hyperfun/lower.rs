@@ -2,8 +2,8 @@
 //!
 //! Every variable and every element of an array holds a node of the graph; an assignment changes which. Objects are
 //! written in where they are called. A condition that is known decides which branch is followed; otherwise both are,
-//! and what they changed is joined by selects (`branches`). Loops turn as long as their conditions are known, the
-//! rest becomes a loop of the graph (`loops`).
+//! and what they changed is joined by selects. Loops turn as long as their conditions are known and what they write out
+//! stays small; other loops become loops of the graph (`loops`, `counted`).
 //!
 //! What the C interpreter stops at (in the strict dialect) is gathered in one more variable, [`POISON`]: 0, or
 //! undefined after an error. It takes part in branches and loops like any other, and is added to the results.

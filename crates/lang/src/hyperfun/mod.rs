@@ -6,10 +6,13 @@
 //!
 //! The language is that of the C interpreter with its operator levels (set operators share one with `+` and `-`,
 //! signs bind tightest, powers are read from the left), and more leniently written: arrays may be declared anywhere,
-//! coordinates assigned, the value assigned several times. [`Dialect::Strict`] takes back both the leniency and the
-//! mathematics, see there.
+//! coordinates assigned, the value assigned several times, and objects may call themselves. [`Dialect::Strict`] takes
+//! back both the leniency and the mathematics, see there.
 //!
-//! Texts are not trusted: depth, number of operations and number of steps have limits, which are errors.
+//! Objects are written out where they are called. So the end of a recursion, and the length of an array, must follow from
+//! numbers: what depends on the point or on parameters is an error. Loops have no such limits.
+//!
+//! Texts are not trusted: words, depth, operations and steps have limits, which are errors.
 
 mod arrays;
 mod ast;
