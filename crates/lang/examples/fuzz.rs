@@ -31,14 +31,21 @@ fn run(language: &Language, seed: u64, count: u64) -> u64 {
         // Each text has a seed of its own, so that it can be made again alone.
         let mut chance = Chance::new(seed.wrapping_mul(1 << 40).wrapping_add(i));
         let text = language.text(&mut chance);
-        let start = Instant::now();
-        let copy = text.clone();
-        let result = catch_unwind(AssertUnwindSafe(|| language.check(&mut chance, copy)));
+        let read = |mut chance: Chance| {
+            let start = Instant::now();
+            let result = catch_unwind(AssertUnwindSafe(|| language.check(&mut chance, text.clone())));
+            (result, start.elapsed())
+        };
+        let (result, mut time) = read(chance.clone());
+        if result.is_ok() && time > SLOW {
+            // Perhaps the machine was busy.
+            time = time.min(read(chance).1);
+        }
         models += u64::from(matches!(result, Ok(true)));
-        if result.is_err() || start.elapsed() > SLOW {
+        if result.is_err() || time > SLOW {
             faults += 1;
             let what = if result.is_err() { "panics" } else { "is slow" };
-            println!("{} {i} {what} after {:?}:\n{text}\n----", language.name, start.elapsed());
+            println!("{} {i} {what} after {time:?}:\n{text}\n----", language.name);
         }
     }
     println!("{}: {count} texts, {models} models, {faults} faults", language.name);

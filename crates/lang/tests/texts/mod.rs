@@ -6,6 +6,7 @@ use fieldstone_lang::{
 };
 
 /// A small generator of numbers (xorshift), so that every run with a seed makes the same texts.
+#[derive(Clone)]
 pub(crate) struct Chance(u64);
 
 impl Chance {
