@@ -462,6 +462,13 @@ fn an_index_inside_is_defined_over_boxes() {
 }
 
 #[test]
+fn an_infinite_radius_is_undefined_over_boxes_too() {
+    for call in ["hfDUni(x[1], x[2], 1e999, 0.1)", "hfDInt(x[1], x[3], 0.4, 1e999)"] {
+        assert!(over_box(&format!("my_model = {call};"), Dialect::Lenient, 0.01)[0].is_nan(), "{call}");
+    }
+}
+
+#[test]
 fn an_index_finds_every_element() {
     for length in [1, 2, 3, 4, 5, 7, 8, 13] {
         let items = (1..=length).map(|i| (i * i).to_string()).collect::<Vec<_>>().join(", ");
