@@ -54,16 +54,16 @@ pub fn settle_loops(loaded: &mut Loaded, inputs: &Inputs, fuel: Option<u32>) -> 
         "a loop does not end at {} of {PROBES} points, one of them ({x}, {y}, {z}), within {} turns",
         trial.unfinished, trial.turns
     );
-    // Sources are at most a few MiB; the first character stands for the text.
-    let start = 0..loaded.source.text.chars().next().map_or(0, char::len_utf8);
+    let place = loaded.model.loops.first().cloned().unwrap_or_default();
+    let label = if loaded.model.loops.len() > 1 { "the first loop" } else { "this loop" };
     if trial.unfinished > PROBES / 2 {
         let help = "let its condition fail everywhere, or choose with --fuel after how many turns a point is undefined";
-        let error = Diagnostic::error(start, message, "in this model").with_help(help);
+        let error = Diagnostic::error(place, message, label).with_help(help);
         return Err(Diagnostics { source: loaded.source.clone(), list: vec![error] }.into());
     }
     let fuel = trial.longest.saturating_mul(MARGIN).clamp(LEAST_FUEL, field.fuel());
     let help = format!("such points are undefined after {fuel} turns; choose another number with --fuel");
-    loaded.model.warnings.push(Diagnostic::warning(start, message, "in this model").with_help(help));
+    loaded.model.warnings.push(Diagnostic::warning(place, message, label).with_help(help));
     loaded.model.field = field.clone().with_fuel(fuel);
     Ok(())
 }
@@ -152,7 +152,12 @@ mod tests {
     fn a_model_that_never_ends_is_an_error_unless_its_turns_are_chosen() {
         let endless = "r = x[1]; while r*r >= 0 loop r = r + 1; endloop; my_model = r;";
         let error = settle(endless, None).map(|_| ()).unwrap_err().to_string();
-        assert!(error.contains("does not end at 8 of 8 points") && error.contains("--fuel"), "{error}");
+        assert!(
+            error.contains("a.hf:1:34")
+                && error.contains("does not end at 8 of 8 points")
+                && error.contains("--fuel"),
+            "{error}"
+        );
         assert_eq!(settle(endless, Some(50)).unwrap().model.field.fuel(), 50);
     }
 

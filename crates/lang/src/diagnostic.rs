@@ -1,11 +1,17 @@
 //! Errors and warnings with their place in the source.
 
-use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Level, Origin, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
 
 /// A front end stops after this many errors: what follows is rarely about the text's own faults.
 pub(crate) const MAX_ERRORS: usize = 20;
+/// Further warnings are left out.
+pub(crate) const MAX_WARNINGS: usize = 50;
+/// How many words a text may have; a formula or a program of so many is read in a few seconds.
+pub(crate) const MAX_WORDS: usize = 4_000_000;
+/// How many bytes a name may have.
+pub(crate) const MAX_NAME: usize = 255;
 
 /// A named text.
 #[derive(Clone, Debug)]
@@ -77,15 +83,51 @@ impl Diagnostic {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
-        let end = floor_char_boundary(&source.text, self.span.end);
-        let start = floor_char_boundary(&source.text, self.span.start.min(end));
-        let annotation = AnnotationKind::Primary.span(start..end).label(self.label.as_str());
-        let snippet = Snippet::source(source.text.as_str()).path(source.name.as_str()).annotation(annotation);
-        let mut group = level.primary_title(self.message.as_str()).element(snippet);
+        let view = View::new(&source.text, &self.span);
+        let annotation = AnnotationKind::Primary.span(view.span.clone()).label(self.label.as_str());
+        let snippet = Snippet::source(view.text).line_start(view.line).annotation(annotation);
+        let title = level.primary_title(self.message.as_str());
+        let mut group = match view.cut_column {
+            None => title.element(snippet.path(source.name.as_str())),
+            // The column in the text, not in the part of the line that is shown.
+            Some(column) => {
+                let origin = Origin::path(source.name.as_str()).line(view.line).char_column(column);
+                title.element(origin).element(snippet)
+            }
+        };
         if let Some(help) = &self.help {
             group = group.element(Level::HELP.message(help.as_str()));
         }
         Renderer::plain().render(&[group])
+    }
+}
+
+/// The lines of a text that a message is about.
+struct View<'s> {
+    /// Whole lines, or a part of a line that is too long.
+    text: &'s str,
+    /// The number of the first of them, counted from 1.
+    line: usize,
+    /// The place of the message among them.
+    span: Range<usize>,
+    /// The column of the message, counted from 1, if the beginning of its line is not shown.
+    cut_column: Option<usize>,
+}
+
+impl<'s> View<'s> {
+    /// How many bytes of a long line, or of several lines, are shown behind and before a place.
+    const REACH: usize = 4096;
+
+    fn new(text: &'s str, span: &Range<usize>) -> Self {
+        let start = floor_char_boundary(text, span.start.min(span.end));
+        let end = floor_char_boundary(text, span.end.min(start + Self::REACH)).max(start);
+        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let from = line_start.max(floor_char_boundary(text, start.saturating_sub(Self::REACH)));
+        let line_end = text[end..].find('\n').map_or(text.len(), |length| end + length);
+        let to = line_end.min(floor_char_boundary(text, end + Self::REACH));
+        let line = text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
+        let cut_column = (from > line_start).then(|| text[line_start..start].chars().count() + 1);
+        Self { text: &text[from..to], line, span: start - from..end - from, cut_column }
     }
 }
 
@@ -145,5 +187,28 @@ mod tests {
         let (line, column) = source.line_and_column(9);
         let message = Diagnostic::error(9..10, "wrong", "here").render(&source);
         assert!(message.contains(&format!("test:{line}:{column}")), "{message}");
+    }
+
+    fn rendered(text: &str, span: Range<usize>) -> String {
+        Diagnostic::error(span, "wrong", "here").render(&Source::new("name", text))
+    }
+
+    #[test]
+    fn far_lines_and_columns_are_told_and_little_is_shown() {
+        let lines = "x + y\n".repeat(10_000);
+        let text = rendered(&lines, 6 * 7_000 + 2..6 * 7_000 + 3);
+        assert!(text.contains("name:7001:3") && text.contains("7001 | x + y"), "{text}");
+        let long = "é+".repeat(50_000);
+        let text = rendered(&long, 3 * 30_000..3 * 30_000 + 2);
+        assert!(text.contains("name:1:60001") && text.len() < 2_000, "{text}");
+        assert!(rendered(&long, 0..long.len()).len() < 40_000);
+    }
+
+    #[test]
+    fn places_outside_of_the_text_are_shown_at_its_end() {
+        for span in [5..9, 2..2, 3..9, 0..0] {
+            assert!(rendered("é\n", span).contains("wrong"));
+        }
+        assert!(rendered("", 0..0).contains("name:1:1"));
     }
 }

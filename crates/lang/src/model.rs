@@ -3,6 +3,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::presentation::Presentation;
 use fieldstone_field::{Field, Input};
+use std::ops::Range;
 
 /// Which values a file calls inside.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -65,6 +66,8 @@ pub struct Model {
     pub sign: FileSign,
     /// The axis that points up.
     pub up: UpAxis,
+    /// Where the text has loops whose number of turns depends on the point, in the order of the text.
+    pub loops: Vec<Range<usize>>,
     /// How the file wants the model shown; nothing where the language has no words for it.
     pub presentation: Presentation,
     /// Warnings.
@@ -95,6 +98,7 @@ impl Model {
             parameters,
             sign: FileSign::NegativeInside,
             up: UpAxis::Z,
+            loops: Vec::new(),
             presentation: Presentation::default(),
             warnings,
         }

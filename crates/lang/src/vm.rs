@@ -1,10 +1,10 @@
 //! The `.vm` text format of libfive and Fidget: one operation a line.
 
-use crate::diagnostic::{Diagnostic, Diagnostics, MAX_ERRORS, Source};
+use crate::diagnostic::{Diagnostic, Diagnostics, MAX_ERRORS, MAX_NAME, MAX_WARNINGS, MAX_WORDS, Source};
 use crate::model::Model;
 use crate::suggest::closest;
 use fieldstone_field::{Binary, Field, Graph, Input, NodeId, Unary};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::ops::Range;
 
 /// Reads a `.vm` program, the text format of libfive and Fidget.
@@ -31,6 +31,11 @@ use std::ops::Range;
 /// # Errors
 /// Every line that cannot be read, up to a limit; a text without operations.
 pub fn parse_vm(source: &Source) -> Result<Model, Diagnostics> {
+    if let Some((limit, _)) = source.text.match_indices('\n').nth(MAX_WORDS) {
+        let message = format!("the program has more than {MAX_WORDS} lines");
+        let error = Diagnostic::error(limit..limit, message, "here the limit is reached");
+        return Err(Diagnostics::in_order(source, vec![error]));
+    }
     let mut reader = Reader { text: &source.text, ..Reader::default() };
     let mut start = 0;
     for line in source.text.split_inclusive('\n') {
@@ -51,6 +56,11 @@ pub fn parse_vm(source: &Source) -> Result<Model, Diagnostics> {
     }
 }
 
+/// How many words of a line are looked at; none is right with so many.
+const MAX_LINE_WORDS: usize = 100;
+/// How many lines below an unknown name are searched for the one that gives it.
+const MAX_SEARCH: usize = 10_000;
+
 /// A word of a line and its place in the text.
 type Word<'a> = (&'a str, Range<usize>);
 
@@ -59,14 +69,15 @@ fn words(line: &str, start: usize) -> Vec<Word<'_>> {
     const BYTE_ORDER_MARK: char = '\u{feff}';
     let code = line.split('#').next().unwrap_or_default().trim_start_matches(BYTE_ORDER_MARK);
     let place = |word: &str| word.as_ptr() as usize - line.as_ptr() as usize + start;
-    code.split_whitespace().map(|word| (word, place(word)..place(word) + word.len())).collect()
+    let words = code.split_whitespace().take(MAX_LINE_WORDS);
+    words.map(|word| (word, place(word)..place(word) + word.len())).collect()
 }
 
 #[derive(Default)]
 struct Reader<'a> {
     text: &'a str,
     graph: Graph,
-    names: HashMap<&'a str, NodeId>,
+    names: FxHashMap<&'a str, NodeId>,
     /// What the last line gave.
     value: Option<NodeId>,
     errors: Vec<Diagnostic>,
@@ -131,6 +142,10 @@ impl Operation {
 impl<'a> Reader<'a> {
     fn line(&mut self, words: &[Word<'a>]) -> Result<(), Diagnostic> {
         let Some(((name, name_span), rest)) = words.split_first() else { return Ok(()) };
+        if let Some((_, span)) = words.iter().find(|(word, _)| word.len() > MAX_NAME) {
+            let message = format!("a word of more than {MAX_NAME} bytes");
+            return Err(Diagnostic::error(span.clone(), message, "too long"));
+        }
         let Some(((word, word_span), operands)) = rest.split_first() else {
             return Err(only_one_word(name, name_span.clone()));
         };
@@ -143,7 +158,7 @@ impl<'a> Reader<'a> {
             Ok(node) => *node,
             Err(_) => self.graph.constant(f64::NAN),
         };
-        if self.names.insert(name, known).is_some() {
+        if self.names.insert(name, known).is_some() && self.warnings.len() < MAX_WARNINGS {
             let message = format!("`{name}` is given again");
             let warning =
                 Diagnostic::warning(name_span.clone(), message, "replaces the earlier line of this name");
@@ -181,10 +196,8 @@ impl<'a> Reader<'a> {
 
     fn node(&self, (name, span): &Word<'a>) -> Result<NodeId, Diagnostic> {
         self.names.get(name).copied().ok_or_else(|| {
-            let later = self.text[span.end..]
-                .lines()
-                .skip(1)
-                .any(|line| line.split_whitespace().next() == Some(name));
+            let below = self.text[span.end..].lines().skip(1).take(MAX_SEARCH);
+            let later = below.into_iter().any(|line| line.split_whitespace().next() == Some(name));
             let help = if later {
                 format!("the line that gives `{name}` must stand above this one")
             } else if name.parse::<f64>().is_ok() {

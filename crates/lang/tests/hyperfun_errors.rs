@@ -57,6 +57,8 @@ fn names() {
         "array sin[2];",
         "t = my_model(x, a);",
         "_t = 1;",
+        "t = hfBezierSplineF(x, 1);",
+        "t = hfR(x, 1);",
     ]));
 }
 
@@ -65,6 +67,10 @@ fn sizes_and_arguments() {
     insta::assert_snapshot!(told_each(&[
         "array q[0];",
         "array q[n];",
+        "array q[2*x[1] + a[1]];",
+        "n = 2.5; array q[n];",
+        "array q[100000];",
+        "array q[1e5 + 1];",
         "array q[3]; q = [1, 2];",
         "array q[3]; q = x;",
         "t = x[4];",
@@ -111,9 +117,23 @@ fn objects() {
         "f(x[2], a[1]) { f = 1; } my_model(x[3], a[1]) { my_model = f(x, a); }",
         "f(x[2], a[1]) { f = 1; } my_model(x[3], a[1]) { my_model = f(x); }",
         "f(x[2], a[1]) { f = 1; } my_model(x[3], a[1]) { my_model = f(x[1], a); }",
+        "my_model(x[3], a[1]) { my_model = x[4]; }",
+        "my_model(x[3], a[1]) { n = 1; array p[n + 1]; p = [1, 2]; my_model = f(p, a); }\nf(x[3], a[1]) { f = 1; }",
+        "my_model(x[3], a[1]) { my_model = f(x, a); }\nf(x[3], a[1]) { if x[1] > a[1] then g = my_model(x, a); else g = 1; endif; f = g; }",
+        "my_model(x[3], a[1]) { my_model = my_model(x, a) + 1; }",
         "my_model(x[3], a[1]) { t = 1; my_model = t\n\nf(x[3], a[1]) { f = 1; }",
     ];
     insta::assert_snapshot!(texts.map(told).join("\n----\n"));
+}
+
+#[test]
+fn conditions() {
+    insta::assert_snapshot!(told_each(&[
+        "if 2*(x[1] = y) > 1 then t = 1; else t = 2; endif;",
+        "while x[1] > loop t = 1; endloop;",
+        "if 2 + not x[1] > 0 then t = 1; endif;",
+        "if x[1] > 0 and then t = 1; endif;",
+    ]));
 }
 
 #[test]

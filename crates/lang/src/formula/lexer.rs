@@ -1,6 +1,6 @@
 //! Words of a formula.
 
-use crate::diagnostic::{Diagnostic, MAX_ERRORS};
+use crate::diagnostic::{Diagnostic, MAX_ERRORS, MAX_NAME, MAX_WORDS};
 use std::ops::Range;
 
 /// What a word is.
@@ -91,6 +91,16 @@ pub(super) fn words(text: &str) -> (Vec<Word>, Vec<Diagnostic>) {
         if lexer.at == text.len() {
             break;
         }
+        if lexer.words.len() == MAX_WORDS {
+            lexer.error(
+                0,
+                format!("the formula has more than {MAX_WORDS} words"),
+                "here the limit is reached",
+                "",
+            );
+            lexer.words.clear();
+            break;
+        }
         lexer.word();
     }
     // The end stands where the last word ends, so that a message about it shows that word.
@@ -134,6 +144,11 @@ impl<'a> Lexer<'a> {
             self.superscript();
         } else if first.is_alphabetic() || first == '_' {
             let name = prefix(rest, |c| c.is_alphabetic() || c.is_ascii_digit() || c == '_');
+            if name.len() > MAX_NAME {
+                self.error(name.len(), format!("a name of more than {MAX_NAME} bytes"), "too long", "");
+                self.at += name.len();
+                return;
+            }
             let keyword = KEYWORDS.iter().find(|(keyword, _)| *keyword == name);
             self.push(keyword.map_or(Token::Name, |(_, token)| *token), name.len());
         } else if let Some((sign, token)) = SIGNS.iter().find(|(sign, _)| rest.starts_with(sign)) {

@@ -1,6 +1,7 @@
 //! What formulas mean, against the same expressions in Rust.
 
 mod errors;
+mod names;
 
 use crate::{FileSign, Model, Source, UpAxis, parse_formula};
 use fieldstone_field::{Bindings, Input};

@@ -23,7 +23,12 @@ pub(super) struct Object {
 impl Object {
     /// The number of values of all slots together.
     pub(super) fn size(&self) -> usize {
-        self.slots.last().map_or(0, |slot| slot.offset + slot.length.unwrap_or(1))
+        self.slots.last().map_or(0, Slot::end)
+    }
+
+    /// The number of arrays whose lengths are computed.
+    pub(super) fn computed_count(&self) -> usize {
+        self.slots.iter().filter(|slot| matches!(slot.extent, Extent::Computed(_))).count()
     }
 
     pub(super) fn attribute_count(&self) -> usize {
@@ -46,8 +51,41 @@ pub(super) const OWN: SlotId = 3;
 pub(super) struct Slot {
     pub(super) name: String,
     pub(super) offset: usize,
-    /// `None` for a scalar.
-    pub(super) length: Option<usize>,
+    pub(super) extent: Extent,
+}
+
+/// How many values a variable has.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Extent {
+    Scalar,
+    /// An array of a length that is written out.
+    Array(usize),
+    /// An array whose length is computed where it is declared; its number among those of the object.
+    Computed(usize),
+}
+
+impl Slot {
+    pub(super) fn is_array(&self) -> bool {
+        self.extent != Extent::Scalar
+    }
+
+    /// The length of an array, if it is written out.
+    pub(super) fn length(&self) -> Option<usize> {
+        match self.extent {
+            Extent::Array(length) => Some(length),
+            _ => None,
+        }
+    }
+
+    /// Where the values behind it begin; those of an array of computed length lie apart.
+    pub(super) fn end(&self) -> usize {
+        self.offset
+            + match self.extent {
+                Extent::Scalar => 1,
+                Extent::Array(length) => length,
+                Extent::Computed(_) => 0,
+            }
+    }
 }
 
 pub(super) enum Statement {
@@ -62,6 +100,13 @@ pub(super) enum Statement {
     Fill {
         target: SlotId,
         items: Vec<Code>,
+        span: Span,
+    },
+    /// An array gets its length, which is not written out.
+    Declare {
+        target: SlotId,
+        length: Code,
+        span: Span,
     },
     If {
         condition: Code,

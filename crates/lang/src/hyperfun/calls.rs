@@ -19,44 +19,59 @@ pub(super) struct Passed {
 /// What is called by a name in front of a parenthesis.
 pub(super) fn callee(parser: &mut Parser<'_>, name: Symbol, span: Span) -> Parsed<Callee> {
     let text = parser.name(name);
-    if let Some(object) = parser.objects.iter().position(|o| o.name == text) {
-        return Ok(Callee::Object(object));
+    if let Some(header) = parser.header_of(name) {
+        if let Some(error) = not_above(parser, name, span) {
+            return Err(parser.fail(error));
+        }
+        return Ok(Callee::Object(header.object));
     }
     if let Some(builtin) = builtins::lookup(text) {
         return Ok(Callee::Builtin(builtin));
     }
-    if let Some(function) = library::lookup(text) {
+    if let Some(function) = library::lookup(text, parser.dialect()) {
         return Ok(Callee::Library(function));
     }
     let error = unknown(parser, name, span);
     Err(parser.fail(error))
 }
 
+/// The strict dialect's error where an object calls itself or one that stands further down.
+fn not_above(parser: &Parser<'_>, name: Symbol, span: Span) -> Option<Diagnostic> {
+    let (text, header) = (parser.name(name), parser.header_of(name)?);
+    let (message, label) = if text == parser.own_name() {
+        (format!("`{text}` calls itself"), "no recursion in the language of the C interpreter")
+    } else if parser.is_further_down(header) {
+        (format!("the object `{text}` is defined further down"), "not known here in the C interpreter")
+    } else {
+        return None;
+    };
+    let error = Diagnostic::error(span.range(), message, label);
+    parser
+        .strict()
+        .then(|| error.with_help("objects call only objects above them, or in the lenient dialect"))
+}
+
 fn unknown(parser: &Parser<'_>, name: Symbol, span: Span) -> Diagnostic {
     let text = parser.name(name);
     let error = |message: String, label: &str| Diagnostic::error(span.range(), message, label);
-    if text == parser.own_name() {
-        return error(format!("`{text}` calls itself"), "no recursion")
-            .with_help("objects call only objects above them; repetition is written with `while`");
-    }
-    if parser.is_object_further_down(name) {
-        return error(format!("the object `{text}` is defined further down"), "not known here")
-            .with_help("objects call only objects above them: move it up");
+    if let Some(reason) = library::unsupported(text) {
+        return error(format!("`{text}` cannot run: {reason}"), "no such function here")
+            .with_help("write its formula out in the model");
     }
     if let Some(slot) = parser.variable(name) {
         let slot = parser.slot(slot);
-        let (message, help) = match slot.length {
-            Some(_) => {
+        let (message, help) = match slot.is_array() {
+            true => {
                 (format!("`{text}` is an array, not a function"), format!("elements are written `{text}[1]`"))
             }
-            None => (
+            false => (
                 format!("`{text}` is a number, not a function"),
                 format!("products are written `{text}*(…)`"),
             ),
         };
         return error(message, "cannot be called").with_help(help);
     }
-    let mut known: Vec<&str> = parser.objects.iter().map(|o| o.name.as_str()).collect();
+    let mut known = parser.object_names();
     for name in builtins::names().chain(library::names()) {
         known.push(name);
     }
@@ -68,14 +83,19 @@ fn unknown(parser: &Parser<'_>, name: Symbol, span: Span) -> Diagnostic {
 }
 
 /// Reports arguments that do not fit.
-pub(super) fn check(parser: &mut Parser<'_>, callee: Callee, passed: &[Passed], call: Span) -> Parsed<()> {
+pub(super) fn check(
+    parser: &mut Parser<'_>,
+    (callee, name): (Callee, Symbol),
+    passed: &[Passed],
+    call: Span,
+) -> Parsed<()> {
     let problem = match callee {
         Callee::Builtin(builtin) => {
             let parameters: Vec<_> = builtin.parameters.iter().map(|name| (*name, Kind::Real)).collect();
             check_kinds(parser, builtin.name, &parameters, passed, call)
         }
         Callee::Library(function) => check_kinds(parser, function.name, function.parameters, passed, call),
-        Callee::Object(object) => check_sizes(parser, object, passed, call),
+        Callee::Object(_) => check_sizes(parser, name, passed, call),
     };
     match problem {
         Some(error) => Err(parser.fail(error)),
@@ -131,28 +151,28 @@ fn check_kinds(
 }
 
 /// Objects take their arrays in exactly the sizes of their headers; s\[\] may be left out.
-fn check_sizes(parser: &Parser<'_>, object: usize, passed: &[Passed], call: Span) -> Option<Diagnostic> {
-    let object = &parser.objects[object];
-    let sizes = [("x", object.coordinates), ("a", object.parameters), ("s", object.attribute_count())];
-    let written = if object.attributes.is_some() { 3 } else { 2 };
+fn check_sizes(parser: &Parser<'_>, object: Symbol, passed: &[Passed], call: Span) -> Option<Diagnostic> {
+    let (header, object) = (parser.header_of(object)?, parser.name(object));
+    let sizes = [("x", header.coordinates), ("a", header.parameters), ("s", header.attributes.unwrap_or(1))];
+    let written = if header.attributes.is_some() { 3 } else { 2 };
     let header =
         sizes[..written].iter().map(|(name, size)| format!("{name}[{size}]")).collect::<Vec<_>>().join(", ");
-    let form = format!("expected `{}({header})`", object.name);
+    let form = format!("expected `{object}({header})`");
     if !(2..=3).contains(&passed.len()) {
         let message =
-            format!("`{}` takes two or three arrays, not {}", object.name, plural(passed.len(), "argument"));
+            format!("`{object}` takes two or three arrays, not {}", plural(passed.len(), "argument"));
         return Some(Diagnostic::error(call.range(), message, form));
     }
     for ((name, size), argument) in sizes.iter().zip(passed) {
         let Some(array) = argument.array else {
-            let message = format!("`{name}` of `{}` is a whole array", object.name);
+            let message = format!("`{name}` of `{object}` is a whole array");
             let error = Diagnostic::error(argument.span.range(), message, form);
             return Some(error.with_help("pass the name of an array, without an index"));
         };
-        let length = parser.slot(array).length.unwrap_or(1);
+        // A length that is computed is compared where the call is followed.
+        let Some(length) = parser.slot(array).length() else { continue };
         if length != *size {
-            let message =
-                format!("`{name}` of `{}` has {}, not {length}", object.name, plural(*size, "element"));
+            let message = format!("`{name}` of `{object}` has {}, not {length}", plural(*size, "element"));
             return Some(Diagnostic::error(argument.span.range(), message, form));
         }
     }

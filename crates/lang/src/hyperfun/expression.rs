@@ -3,6 +3,9 @@
 //! One grammar serves values and conditions; comparisons and logic are errors in values. The levels are those of the
 //! C interpreter: signs bind tightest, all operators of a level are read from the left (powers too), and the set
 //! operators share a level with `+` and `-`. Where that is not how mathematics is read, a warning says so.
+//!
+//! In a condition the C interpreter takes a parenthesis that begins an operand of a comparison as one around a
+//! condition, behind which no arithmetic may follow: `(x[1]+1)*2 > 3` is an error of the strict dialect.
 
 use super::ast::{Action, Call, Callee, Code, Level, Operator, SlotId, Step};
 use super::lexer::{Symbol, Token};
@@ -18,8 +21,15 @@ const MAX_DEPTH: usize = 1000;
 pub(super) fn parse(parser: &mut Parser<'_>, condition: bool) -> Parsed<Code> {
     let base =
         Frame { kind: FrameKind::Base, open: parser.span(), comparisons: condition, set_operator: false };
-    let mut expression =
-        Expression { parser, code: Vec::new(), pending: Vec::new(), frames: vec![base], marks: vec![0] };
+    let mut expression = Expression {
+        parser,
+        code: Vec::new(),
+        pending: Vec::new(),
+        frames: vec![base],
+        marks: vec![0],
+        plus: false,
+        behind_condition: false,
+    };
     loop {
         expression.operand()?;
         if expression.operators()? {
@@ -31,32 +41,27 @@ pub(super) fn parse(parser: &mut Parser<'_>, condition: bool) -> Parsed<Code> {
 /// The same postfix code with the operands of each operation in reverse order: the interpreter evaluates the right
 /// operand and the last argument first, which shows where calls change arrays.
 fn right_to_left(code: Code) -> Code {
-    let mut children: Vec<Vec<usize>> = Vec::with_capacity(code.len());
-    let mut stack: Vec<usize> = Vec::new();
+    // Where the code of each step's value begins: its operands end just before it, one behind the other.
+    let mut starts: Vec<usize> = Vec::with_capacity(code.len());
     for (i, step) in code.iter().enumerate() {
-        let operands = stack.split_off(stack.len().saturating_sub(step.action.arity()));
-        children.push(operands);
-        stack.push(i);
+        let start =
+            (0..step.action.arity()).fold(i, |end, _| end.checked_sub(1).map_or(0, |last| starts[last]));
+        starts.push(start);
     }
-    // Reversed, "right, left, operation" is "operation, left, right": a walk from the root.
+    // Reversed, "right, left, operation" is "operation, left, right": a walk from the root, left operands first.
     let mut order = Vec::with_capacity(code.len());
+    let mut stack: Vec<usize> = code.len().checked_sub(1).into_iter().collect();
     while let Some(i) = stack.pop() {
         order.push(i);
-        stack.extend(children[i].iter().rev());
+        let mut end = i;
+        for _ in 0..code[i].action.arity() {
+            let Some(operand) = end.checked_sub(1) else { break };
+            stack.push(operand);
+            end = starts[operand];
+        }
     }
     let mut steps: Vec<Option<Step>> = code.into_iter().map(Some).collect();
     order.into_iter().rev().filter_map(|i| steps[i].take()).collect()
-}
-
-/// Whether a code is a number, perhaps with a sign.
-pub(super) fn is_signed_number(code: Option<&Code>) -> bool {
-    match code.map(Vec::as_slice) {
-        Some([number]) => matches!(number.action, Action::Number(_)),
-        Some([number, sign]) => {
-            matches!((&number.action, &sign.action), (Action::Number(_), Action::Operator(Operator::Negate)))
-        }
-        _ => false,
-    }
 }
 
 /// What is open.
@@ -71,7 +76,10 @@ struct Frame {
 
 enum FrameKind {
     Base,
-    Group,
+    /// A parenthesis, and whether it stands around a condition as the C interpreter sees it.
+    Group {
+        condition: bool,
+    },
     Index(SlotId),
     Call(Box<OpenCall>),
 }
@@ -79,6 +87,7 @@ enum FrameKind {
 /// A call whose arguments are being read.
 struct OpenCall {
     callee: Callee,
+    name: Symbol,
     arguments: Vec<calls::Passed>,
     /// The argument that is being read.
     array: Option<SlotId>,
@@ -93,6 +102,10 @@ struct Expression<'p, 's> {
     frames: Vec<Frame>,
     /// For each frame how many operators were pending before.
     marks: Vec<usize>,
+    /// Whether the operand that is being read began with a `+`.
+    plus: bool,
+    /// Whether a parenthesis around a condition was closed just now.
+    behind_condition: bool,
 }
 
 impl Expression<'_, '_> {
@@ -103,24 +116,40 @@ impl Expression<'_, '_> {
     }
 
     fn open(&mut self, kind: FrameKind, open: Span) -> Parsed<()> {
-        if self.frames.len() > MAX_DEPTH {
+        // An element of an array may stand inside of all parentheses.
+        let depth = self.frames.len() - usize::from(matches!(kind, FrameKind::Index(_)));
+        if depth > MAX_DEPTH {
             let message = format!("more than {MAX_DEPTH} parentheses and brackets inside each other");
             let error = Diagnostic::error(open.range(), message, "nested too deep");
             return Err(self.parser.fail(error));
         }
-        let comparisons = matches!(kind, FrameKind::Group) && self.frame().comparisons;
+        let comparisons = match kind {
+            FrameKind::Group { condition } => {
+                condition || (self.frame().comparisons && !self.parser.strict())
+            }
+            _ => false,
+        };
         self.frames.push(Frame { kind, open, comparisons, set_operator: false });
         self.marks.push(self.pending.len());
         Ok(())
     }
 
+    /// Whether an operand of a comparison begins here: no sign and no arithmetic operator stands before it.
+    fn begins_factor(&mut self) -> bool {
+        let mark = self.marks.last().copied().unwrap_or(0);
+        let before = self.pending[mark..].last().map(|(operator, _)| operator.level());
+        self.frame().comparisons && !self.plus && before.is_none_or(|level| level <= Level::Not)
+    }
+
     /// Reads signs and opening parentheses up to an operand, and the operand.
     fn operand(&mut self) -> Parsed<()> {
+        self.plus = false;
         loop {
             let span = self.parser.span();
             match self.parser.peek() {
                 Token::Plus => {
                     self.parser.bump();
+                    self.plus = true;
                 }
                 Token::Minus | Token::Complement => {
                     self.parser.bump();
@@ -128,12 +157,17 @@ impl Expression<'_, '_> {
                 }
                 Token::Not => {
                     self.check_comparison()?;
+                    if !self.begins_factor() {
+                        return Err(self.misplaced_not());
+                    }
                     self.parser.bump();
                     self.pending.push((Operator::Not, span));
                 }
                 Token::Open => {
+                    let condition = self.begins_factor();
                     self.parser.bump();
-                    self.open(FrameKind::Group, span)?;
+                    self.open(FrameKind::Group { condition }, span)?;
+                    self.plus = false;
                 }
                 Token::Number(value) => {
                     self.parser.bump();
@@ -162,6 +196,12 @@ impl Expression<'_, '_> {
         Err(self.parser.fail(error))
     }
 
+    fn misplaced_not(&mut self) -> super::parser::Reported {
+        let message = "`not` stands only before a condition";
+        let error = Diagnostic::error(self.parser.span().range(), message, "expected a number");
+        self.parser.fail(error.with_help("write the parts of the condition apart, with `and` or `or`"))
+    }
+
     /// A name and what must follow it; whether that is an operand already.
     fn name(&mut self, name: Symbol) -> Parsed<bool> {
         let span = self.parser.bump();
@@ -169,7 +209,7 @@ impl Expression<'_, '_> {
             return self.call(name, span);
         }
         let slot = self.parser.variable(name);
-        let array = slot.filter(|&slot| self.parser.slot(slot).length.is_some());
+        let array = slot.filter(|&slot| self.parser.slot(slot).is_array());
         match (array, slot) {
             (Some(array), _) if self.parser.peek() == Token::OpenBracket => {
                 self.parser.bump();
@@ -185,7 +225,7 @@ impl Expression<'_, '_> {
                 Ok(true)
             }
             (None, None) => {
-                if is_function(self.parser.name(name)) {
+                if is_function(self.parser, name) {
                     let message = format!("`{}` is a function", self.parser.name(name));
                     let error =
                         Diagnostic::error(span.to(self.parser.span()).range(), message, "expected `(`");
@@ -213,7 +253,7 @@ impl Expression<'_, '_> {
         let callee = calls::callee(self.parser, name, span)?;
         self.parser.bump();
         let start = self.parser.span();
-        let call = OpenCall { callee, arguments: Vec::new(), array: None, start };
+        let call = OpenCall { callee, name, arguments: Vec::new(), array: None, start };
         self.open(FrameKind::Call(Box::new(call)), span)?;
         if self.parser.peek() == Token::Close {
             // No arguments: `operators` closes the call.
@@ -226,7 +266,7 @@ impl Expression<'_, '_> {
     fn array_argument(&mut self) -> bool {
         let Token::Name(name) = self.parser.peek() else { return false };
         let after = self.parser.peek_after();
-        let array = self.parser.variable(name).filter(|&slot| self.parser.slot(slot).length.is_some());
+        let array = self.parser.variable(name).filter(|&slot| self.parser.slot(slot).is_array());
         let Some(array) = array.filter(|_| !matches!(after, Token::OpenBracket | Token::Open)) else {
             return false;
         };
@@ -241,7 +281,12 @@ impl Expression<'_, '_> {
     fn operators(&mut self) -> Parsed<bool> {
         loop {
             let token = self.parser.peek();
+            let behind_condition = std::mem::take(&mut self.behind_condition);
             if let Some(operator) = binary(token) {
+                if behind_condition && operator.level() > Level::Relation {
+                    let span = self.parser.span();
+                    self.parser.extension(span, "arithmetic behind a parenthesis that begins a condition");
+                }
                 self.operator(operator)?;
                 return Ok(false);
             }
@@ -372,9 +417,11 @@ impl Expression<'_, '_> {
         }
         let frame = self.close_frame();
         let close = self.parser.bump();
+        self.behind_condition =
+            matches!(frame, Some(Frame { kind: FrameKind::Group { condition: true }, .. }));
         if let Some(Frame { kind: FrameKind::Call(call), open, .. }) = frame {
             let span = open.to(close);
-            calls::check(self.parser, call.callee, &call.arguments, span)?;
+            calls::check(self.parser, (call.callee, call.name), &call.arguments, span)?;
             let arguments = call.arguments.iter().map(|a| a.array).collect();
             let call = Call { callee: call.callee, arguments };
             self.code.push(Step { action: Action::Call(Box::new(call)), span });
@@ -428,8 +475,9 @@ impl Expression<'_, '_> {
     }
 }
 
-fn is_function(name: &str) -> bool {
-    builtins::lookup(name).is_some() || library::lookup(name).is_some()
+fn is_function(parser: &Parser<'_>, name: Symbol) -> bool {
+    let name = parser.name(name);
+    builtins::lookup(name).is_some() || library::lookup(name, parser.dialect()).is_some()
 }
 
 fn binary(token: Token) -> Option<Operator> {

@@ -2,10 +2,15 @@
 //!
 //! Letter case means nothing in HyperFun: names are lower-cased here. What other languages write instead of a
 //! HyperFun symbol (`==`, `&&`, `//` …) is reported and read as meant, so that one slip gives one error.
+//!
+//! Numbers mean what they say in both dialects. The strict one refuses the forms that the C interpreter refuses (`01`,
+//! `1e05`) and carriage returns. It does not follow that interpreter in reading `1e-12` as 10⁻⁸: that is a slip of its
+//! scanner, which no model means.
 
 use super::report::{Report, Span};
-use crate::diagnostic::Diagnostic;
-use std::collections::HashMap;
+use crate::Dialect;
+use crate::diagnostic::{Diagnostic, MAX_NAME, MAX_WORDS};
+use rustc_hash::FxHashMap;
 
 /// A lower-cased name, by number.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -20,12 +25,12 @@ impl Symbol {
 /// The names of a text.
 pub(super) struct Names {
     list: Vec<String>,
-    known: HashMap<String, Symbol>,
+    known: FxHashMap<String, Symbol>,
 }
 
 impl Names {
     fn new() -> Self {
-        let mut names = Self { list: Vec::new(), known: HashMap::new() };
+        let mut names = Self { list: Vec::new(), known: FxHashMap::default() };
         for name in ["x", "a", "s"] {
             names.intern(name.to_owned());
         }
@@ -150,16 +155,34 @@ const FOREIGN: &[(&str, Token, &str)] = &[
     ("\u{b7}", Token::Times, "products are written `*`"),
 ];
 
-/// The tokens of a text, `End` last, and its names.
-pub(super) fn tokenize(text: &str, report: &mut Report) -> (Vec<(Token, Span)>, Names) {
+/// The tokens of a text, `End` last, and its names; `None` if there are too many tokens or errors.
+pub(super) fn tokenize(
+    text: &str,
+    dialect: Dialect,
+    report: &mut Report,
+) -> Option<(Vec<(Token, Span)>, Names)> {
     let mut lexer = Lexer { text, at: 0, names: Names::new(), report };
+    if dialect == Dialect::Strict {
+        lexer.carriage_return();
+    }
     let mut tokens = Vec::new();
-    while let Some(token) = lexer.next() {
-        tokens.push(token);
+    while let Some((token, span)) = lexer.next() {
+        if dialect == Dialect::Strict && matches!(token, Token::Number(_)) {
+            lexer.check_number(span);
+        }
+        if tokens.len() == MAX_WORDS {
+            let message = format!("the text has more than {MAX_WORDS} words");
+            lexer.report.error(span, message, "here the limit is reached");
+            return None;
+        }
+        tokens.push((token, span));
     }
     tokens.push((Token::End, Span::new(text.len(), text.len())));
-    (tokens, lexer.names)
+    (!lexer.report.is_full()).then_some((tokens, lexer.names))
 }
+
+/// The label of what only the lenient dialect reads.
+pub(super) const NOT_IN_C: &str = "not in the language of the C interpreter";
 
 struct Lexer<'s, 'r> {
     text: &'s str,
@@ -181,7 +204,7 @@ impl<'s> Lexer<'s, '_> {
     }
 
     fn next(&mut self) -> Option<(Token, Span)> {
-        loop {
+        while !self.report.is_full() {
             self.skip_blanks();
             let first = self.rest().chars().next()?;
             if first.is_ascii_alphabetic() || first == '_' {
@@ -199,6 +222,33 @@ impl<'s> Lexer<'s, '_> {
             }
             self.illegal();
         }
+        None
+    }
+
+    /// Reports the first carriage return, an illegal character of the C interpreter.
+    fn carriage_return(&mut self) {
+        if let Some(at) = self.text.find('\r') {
+            let span = Span::new(at, at + 1);
+            let error = Diagnostic::error(span.range(), "a carriage return", NOT_IN_C);
+            self.report.add(error.with_help("end lines with a line feed alone, or use the lenient dialect"));
+        }
+    }
+
+    /// Reports a number that the C interpreter refuses: one that begins with a superfluous 0, or whose exponent begins
+    /// with 0.
+    fn check_number(&mut self, span: Span) {
+        let text = self.text[span.range()].as_bytes();
+        let exponent = text.iter().position(|b| matches!(b, b'e' | b'E')).map(|e| &text[e + 1..]);
+        let exponent = exponent.map(|e| e.strip_prefix(b"-").or(e.strip_prefix(b"+")).unwrap_or(e));
+        let what = if text.len() > 1 && text[0] == b'0' && text[1].is_ascii_digit() {
+            "a number that begins with 0"
+        } else if exponent.is_some_and(|digits| digits.first() == Some(&b'0')) {
+            "an exponent that begins with 0"
+        } else {
+            return;
+        };
+        let error = Diagnostic::error(span.range(), what, NOT_IN_C);
+        self.report.add(error.with_help("the lenient dialect reads it"));
     }
 
     /// Blanks, comments, and what others write as comments.
@@ -233,8 +283,11 @@ impl<'s> Lexer<'s, '_> {
     fn name(&mut self) -> (Token, Span) {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let length = self.rest().find(|c| !is_part(c)).unwrap_or(self.rest().len());
-        let text = self.rest()[..length].to_ascii_lowercase();
+        let text = self.rest()[..length.min(MAX_NAME)].to_ascii_lowercase();
         let span = self.take(length);
+        if length > MAX_NAME {
+            self.report.error(span, format!("a name of more than {MAX_NAME} letters"), "too long");
+        }
         if text.starts_with('_') {
             self.report.error(span, "a name begins with a letter", "not with an underscore");
         }

@@ -6,20 +6,27 @@
 //!
 //! The language is that of the C interpreter with its operator levels (set operators share one with `+` and `-`,
 //! signs bind tightest, powers are read from the left), and more leniently written: arrays may be declared anywhere,
-//! coordinates assigned, the value assigned several times. [`Dialect::Strict`] takes back both the leniency and the
-//! mathematics, see there.
+//! coordinates assigned, the value assigned several times, and objects may call themselves. [`Dialect::Strict`] takes
+//! back both the leniency and the mathematics, see there.
 //!
-//! Texts are not trusted: depth, number of operations and number of steps have limits, which are errors.
+//! Objects are written out where they are called. So the end of a recursion, and the length of an array, must follow from
+//! numbers: what depends on the point or on parameters is an error. Loops have no such limits.
+//!
+//! Texts are not trusted: words, depth, operations and steps have limits, which are errors.
 
+mod arrays;
 mod ast;
 mod builtins;
 mod calls;
+mod counted;
 mod expression;
 mod hints;
 mod lexer;
 pub(crate) mod library;
+mod limits;
 mod loops;
 mod lower;
+mod operators;
 mod parser;
 mod report;
 mod signature;
@@ -34,6 +41,7 @@ use crate::model::{FileSign, Model, Object, Parameter, UpAxis};
 use crate::presentation::Presentation;
 use crate::suggest;
 use fieldstone_field::{Field, Input};
+use loops::LoopLimits;
 use lower::Lowered;
 use report::{Report, Span};
 
@@ -55,25 +63,28 @@ pub struct HyperFunOptions {
 /// All that is wrong with the text, each with its place, up to a limit.
 pub fn parse_hyperfun(source: &Source, options: &HyperFunOptions) -> Result<Model, Diagnostics> {
     let mut report = Report::default();
-    match read(&source.text, options, &mut report) {
+    match read(&source.text, options, LoopLimits::default(), &mut report) {
         Some(model) if !report.has_errors() => Ok(Model { warnings: report.into_list(), ..model }),
         _ => Err(Diagnostics { source: source.clone(), list: report.into_list() }),
     }
 }
 
 /// The model; `None` only after an error.
-fn read(text: &str, options: &HyperFunOptions, report: &mut Report) -> Option<Model> {
+fn read(text: &str, options: &HyperFunOptions, limits: LoopLimits, report: &mut Report) -> Option<Model> {
     if u32::try_from(text.len()).is_err() {
         report.error(Span::new(0, 0), "the file is larger than 4 GiB", "too large");
         return None;
     }
-    let (tokens, names) = lexer::tokenize(text, report);
+    let (tokens, names) = lexer::tokenize(text, options.dialect, report)?;
     let objects = parser::parse(text, tokens, names, options.dialect, report);
     if report.has_errors() {
         return None;
     }
     let chosen = choose(&objects, options.object.as_deref(), report)?;
-    let lowered = lower::lower(&objects, chosen, options.dialect, report).ok()?;
+    let lowered = lower::lower(&objects, chosen, (options.dialect, limits), report).ok()?;
+    if report.has_errors() {
+        return None;
+    }
     Some(model(&objects, chosen, lowered, report))
 }
 
@@ -102,7 +113,7 @@ fn choose(objects: &[ast::Object], wanted: Option<&str>, report: &mut Report) ->
 
 fn model(objects: &[ast::Object], chosen: usize, lowered: Lowered, report: &mut Report) -> Model {
     let object = &objects[chosen];
-    let Lowered { mut graph, value, attributes } = lowered;
+    let Lowered { mut graph, value, attributes, loops } = lowered;
     match graph.constant_value(value) {
         Some(0.0) => {
             let message = format!("`{}` is 0 everywhere", object.name);
@@ -132,6 +143,7 @@ fn model(objects: &[ast::Object], chosen: usize, lowered: Lowered, report: &mut 
         parameters: (0..object.parameters).map(parameter).collect(),
         sign: FileSign::PositiveInside,
         up: UpAxis::Y,
+        loops: loops.iter().map(|span| span.range()).collect(),
         presentation: Presentation::default(),
         warnings: Vec::new(),
     }

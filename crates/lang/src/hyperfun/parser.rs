@@ -5,17 +5,24 @@
 
 mod statements;
 
-use super::ast::{A, OWN, Object, S, Slot, SlotId, Statement, X};
-use super::lexer::{Names, Symbol, Token};
+pub(super) use statements::wrong_number_of_values;
+
+use super::ast::{A, Extent, OWN, Object, S, Slot, SlotId, Statement, X};
+use super::lexer::{NOT_IN_C, Names, Symbol, Token};
 use super::report::{Report, Span};
 use super::{builtins, hints, library};
 use crate::Dialect;
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// How many elements an array may have: inputs are numbered by 16 bits.
-const MAX_ELEMENTS: f64 = 65_535.0;
+pub(super) const MAX_ELEMENTS: f64 = 65_535.0;
+
+/// How many values all variables of an object may have.
+const MAX_VALUES: usize = 1_000_000;
+/// How far is looked for what a writer may have meant.
+const MAX_SEARCH: usize = 10_000;
 
 /// Stands for an error that is in the report.
 pub(super) struct Reported;
@@ -31,7 +38,7 @@ pub(super) fn parse(
 ) -> Vec<Object> {
     let mut parser = Parser {
         text,
-        headers: headers(&tokens),
+        headers: Headers::new(&tokens),
         tokens,
         at: 0,
         names,
@@ -50,9 +57,11 @@ pub(super) fn parse(
 #[derive(Default)]
 struct Scope {
     slots: Vec<Slot>,
-    known: HashMap<Symbol, SlotId>,
+    known: FxHashMap<Symbol, SlotId>,
     /// How often the object's own name was assigned.
     results: usize,
+    /// How many arrays of computed length there are.
+    computed: usize,
     has_statements: bool,
 }
 
@@ -64,22 +73,51 @@ pub(super) struct Parser<'s> {
     dialect: Dialect,
     pub(super) report: &'s mut Report,
     pub(super) objects: Vec<Object>,
-    /// Where the header of each object begins, as a token number.
-    headers: HashMap<Symbol, usize>,
+    headers: Headers,
     scope: Scope,
     blocks: usize,
     last_error: Option<usize>,
 }
 
-/// Where objects begin, the first place of each name.
-fn headers(tokens: &[(Token, Span)]) -> HashMap<Symbol, usize> {
-    let mut found = HashMap::new();
-    for at in 0..tokens.len() {
-        if let (Token::Name(name), true) = (tokens[at].0, is_header(&tokens[at..])) {
-            found.entry(name).or_insert(at);
+/// What a header says: how an object is called.
+#[derive(Clone, Copy)]
+pub(super) struct Header {
+    /// Where it stands, as the number of its first token.
+    at: usize,
+    /// The number that the object will have.
+    pub(super) object: usize,
+    /// The sizes of x\[\], a\[\] and s\[\]; the last only if declared.
+    pub(super) coordinates: usize,
+    pub(super) parameters: usize,
+    pub(super) attributes: Option<usize>,
+}
+
+/// The headers of all objects, which may be called above their texts; of each name the first.
+struct Headers {
+    known: FxHashMap<Symbol, Header>,
+}
+
+impl Headers {
+    /// In a text without errors these are all objects, in their order.
+    fn new(tokens: &[(Token, Span)]) -> Self {
+        let size = |at: usize| match tokens.get(at).map(|t| t.0) {
+            Some(Token::Number(size)) => size as usize,
+            _ => 0,
+        };
+        let mut headers = Self { known: FxHashMap::default() };
+        for at in 0..tokens.len() {
+            let Token::Name(name) = tokens[at].0 else { continue };
+            if !is_header(&tokens[at..]) {
+                continue;
+            }
+            let attributes = (tokens[at + 11].0 == Token::Comma).then(|| size(at + 14));
+            let (coordinates, parameters) = (size(at + 4), size(at + 9));
+            let object = headers.known.len();
+            let header = Header { at, object, coordinates, parameters, attributes };
+            headers.known.entry(name).or_insert(header);
         }
+        headers
     }
-    found
 }
 
 /// Whether a whole header, `name(x[3], a[1]) {` or `name(x[3], a[1], s[3]) {`, begins here.
@@ -145,6 +183,10 @@ impl<'s> Parser<'s> {
         self.text[..span.start as usize].matches('\n').count() + 1
     }
 
+    pub(super) fn dialect(&self) -> Dialect {
+        self.dialect
+    }
+
     pub(super) fn strict(&self) -> bool {
         self.dialect == Dialect::Strict
     }
@@ -161,7 +203,7 @@ impl<'s> Parser<'s> {
     /// Reports what the C interpreter would not read, if it is asked for.
     pub(super) fn extension(&mut self, span: Span, what: &str) {
         if self.strict() {
-            let error = Diagnostic::error(span.range(), what, "not in the language of the C interpreter");
+            let error = Diagnostic::error(span.range(), what, NOT_IN_C);
             self.report.add(error.with_help("the lenient dialect reads it"));
         }
     }
@@ -239,10 +281,10 @@ impl<'s> Parser<'s> {
 
     fn check_object_name(&mut self, name: Symbol, span: Span) {
         let text = self.name(name);
-        if let Some(first) = self.objects.iter().find(|o| o.name == text) {
+        if let Some(first) = self.header_of(name).filter(|header| header.at < self.at) {
             let message = format!("two objects are called `{text}`");
             let error = Diagnostic::error(span.range(), message, "second object of this name");
-            let help = format!("the first one begins in line {}", self.line(first.span));
+            let help = format!("the first one begins in line {}", self.line(self.tokens[first.at].1));
             self.report.add(error.with_help(help));
         } else if let Some(what) = self.reserved(name) {
             self.report.error(span, format!("`{text}` is {what}"), "expected another name");
@@ -254,7 +296,7 @@ impl<'s> Parser<'s> {
         let text = self.name(name);
         if matches!(name, Symbol::X | Symbol::A | Symbol::S) {
             Some("the name of an array that every object has")
-        } else if builtins::lookup(text).is_some() || library::lookup(text).is_some() {
+        } else if builtins::lookup(text).is_some() || library::lookup(text, self.dialect).is_some() {
             Some("the name of a function")
         } else {
             None
@@ -301,17 +343,17 @@ impl<'s> Parser<'s> {
     fn open_scope(&mut self, own: Symbol, sizes: [usize; 3]) {
         self.scope = Scope::default();
         for (name, size) in [Symbol::X, Symbol::A, Symbol::S].into_iter().zip(sizes) {
-            self.declare(name, Some(size));
+            self.declare(name, Extent::Array(size));
         }
         // The own name is assignable everywhere, but a variable only once it has a value.
-        let slot = self.declare(own, None);
+        let slot = self.declare(own, Extent::Scalar);
         debug_assert_eq!([X, A, S, OWN], [0, 1, 2, slot]);
     }
 
-    fn declare(&mut self, name: Symbol, length: Option<usize>) -> SlotId {
+    fn declare(&mut self, name: Symbol, extent: Extent) -> SlotId {
         let slots = &mut self.scope.slots;
-        let offset = slots.last().map_or(0, |slot| slot.offset + slot.length.unwrap_or(1));
-        slots.push(Slot { name: self.names.text(name).to_owned(), offset, length });
+        let offset = slots.last().map_or(0, Slot::end);
+        slots.push(Slot { name: self.names.text(name).to_owned(), offset, extent });
         self.scope.known.insert(name, slots.len() - 1);
         slots.len() - 1
     }
@@ -349,8 +391,7 @@ impl<'s> Parser<'s> {
             return self.fail(Diagnostic::error(span.range(), message, "has no elements"));
         }
         let error = Diagnostic::error(span.range(), format!("`{text}` is not an array"), "unknown array");
-        let arrays =
-            self.scope.slots.iter().filter(|slot| slot.length.is_some()).map(|slot| slot.name.as_str());
+        let arrays = self.scope.slots.iter().filter(|slot| slot.is_array()).map(|slot| slot.name.as_str());
         let help = match suggest::closest(&text, arrays) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("arrays are declared before they are used: `array {text}[3];`"),
@@ -368,23 +409,37 @@ impl<'s> Parser<'s> {
         &self.scope.slots[slot]
     }
 
-    /// The object that is being read.
+    /// The header of an object of the text.
+    pub(super) fn header_of(&self, name: Symbol) -> Option<Header> {
+        self.headers.known.get(&name).copied()
+    }
+
+    /// The name of the object that is being read.
     pub(super) fn own_name(&self) -> &str {
         &self.scope.slots[OWN].name
     }
 
-    /// Whether an object of this name begins behind this place.
-    pub(super) fn is_object_further_down(&self, name: Symbol) -> bool {
-        self.headers.get(&name).is_some_and(|&at| at > self.at)
+    /// Whether a header stands behind this place.
+    pub(super) fn is_further_down(&self, header: Header) -> bool {
+        header.at > self.at
+    }
+
+    /// The names of all objects.
+    pub(super) fn object_names(&self) -> Vec<&str> {
+        let mut headers: Vec<_> = self.headers.known.iter().collect();
+        headers.sort_unstable_by_key(|(_, header)| header.at);
+        headers.into_iter().map(|(name, _)| self.name(*name)).collect()
     }
 
     /// Reports a name without a value, which counts as a variable from then on.
     pub(super) fn unknown_variable(&mut self, name: Symbol, span: Span) {
         let text = self.name(name).to_owned();
-        let later = self.tokens[self.at..].windows(2).take_while(|w| w[0].0 != Token::CloseBrace);
+        let later = self.tokens[self.at..].windows(2).take(MAX_SEARCH);
+        let later = later.take_while(|w| w[0].0 != Token::CloseBrace);
         let assigned_later = later.into_iter().any(|w| w[0].0 == Token::Name(name) && w[1].0 == Token::Equal);
         let known =
             self.scope.slots.iter().enumerate().filter(|(i, _)| *i != OWN).map(|(_, s)| s.name.as_str());
+        let known = known.take(MAX_SEARCH);
         let help = if assigned_later {
             "it gets its value only further down".to_owned()
         } else if let Some(help) = hints::foreign_value(&text) {
@@ -398,7 +453,7 @@ impl<'s> Parser<'s> {
             Diagnostic::error(span.range(), format!("`{text}` has no value here"), "unknown variable");
         self.report.add(error.with_help(help));
         if !self.scope.known.contains_key(&name) {
-            self.declare(name, None);
+            self.declare(name, Extent::Scalar);
         }
     }
 }

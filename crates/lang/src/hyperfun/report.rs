@@ -1,11 +1,7 @@
 //! Places in the text, and what was found wrong there.
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Diagnostic, MAX_ERRORS, MAX_WARNINGS, Severity};
 use std::ops::Range;
-
-/// Errors after which the rest of the text is not looked at: later ones mostly follow from earlier ones.
-const MAX_ERRORS: usize = 20;
-const MAX_WARNINGS: usize = 50;
 
 /// Bytes of the source.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

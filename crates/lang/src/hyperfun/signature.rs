@@ -2,6 +2,7 @@
 
 use super::builtins;
 use super::library::{self, Kind};
+use crate::Dialect;
 
 /// A function that HyperFun texts may call.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -22,7 +23,7 @@ pub fn hyperfun_functions() -> Vec<Signature> {
         Some(Signature { name, parameters, is_library: false })
     };
     let library = |name| {
-        let function = library::lookup(name)?;
+        let function = library::lookup(name, Dialect::Lenient)?;
         let parameters = function.parameters.iter().map(|&(name, kind)| (name, kind == Kind::Array));
         Some(Signature { name, parameters: parameters.collect(), is_library: true })
     };

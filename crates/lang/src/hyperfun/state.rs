@@ -47,6 +47,13 @@ pub(super) struct Change {
 #[must_use]
 pub(super) struct Mark(usize);
 
+/// Where a call began.
+#[must_use]
+pub(super) struct Call {
+    cells: usize,
+    log: usize,
+}
+
 #[derive(Default)]
 pub(super) struct State {
     cells: Vec<Cell>,
@@ -70,14 +77,27 @@ impl State {
         }
     }
 
-    /// Adds cells behind the others: the variables of an object that is called.
+    /// Adds cells behind the others: the variables of an object that is called, or an array of computed length.
     pub(super) fn push(&mut self, cells: impl IntoIterator<Item = Cell>) {
         self.cells.extend(cells);
     }
 
-    /// Removes the cells from `length` on.
-    pub(super) fn truncate(&mut self, length: usize) {
-        self.cells.truncate(length);
+    /// Begins a call: what is pushed from now on goes with it.
+    pub(super) fn enter(&self) -> Call {
+        Call { cells: self.cells.len(), log: self.log.len() }
+    }
+
+    /// Ends a call: its cells are gone, with their history.
+    pub(super) fn leave(&mut self, call: Call) {
+        self.cells.truncate(call.cells);
+        let mut kept = call.log;
+        for i in call.log..self.log.len() {
+            if self.log[i].0 < call.cells {
+                self.log.swap(kept, i);
+                kept += 1;
+            }
+        }
+        self.log.truncate(kept);
     }
 
     pub(super) fn mark(&mut self) -> Mark {
@@ -97,16 +117,12 @@ impl State {
     pub(super) fn rollback(&mut self, mark: Mark) -> Vec<Change> {
         self.marks -= 1;
         let entries = self.log.split_off(mark.0);
-        // Cells of calls that are over are gone, with their history.
-        let mut places: Vec<usize> =
-            entries.iter().map(|(at, _)| *at).filter(|at| *at < self.cells.len()).collect();
+        let mut places: Vec<usize> = entries.iter().map(|(at, _)| *at).collect();
         places.sort_unstable();
         places.dedup();
         let after: Vec<Cell> = places.iter().map(|&at| self.cells[at]).collect();
         for (at, old) in entries.into_iter().rev() {
-            if let Some(cell) = self.cells.get_mut(at) {
-                *cell = old;
-            }
+            self.cells[at] = old;
         }
         let changes = places.into_iter().zip(after);
         changes.map(|(at, after)| Change { at, before: self.cells[at], after }).collect()

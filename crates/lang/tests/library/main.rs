@@ -38,8 +38,8 @@ fn fields(case: &Case) -> impl Iterator<Item = Field> {
     let fields = [Dialect::Lenient, Dialect::Strict].map(|dialect| match case.field(dialect) {
         Ok(field) => Some(field),
         Err(message) => {
-            let is_known = dialect == Dialect::Strict && message.contains("has no such function");
-            assert!(is_known, "{}: {message}", case.name);
+            let is_ours = ["hffmapblob", "hfcylx", "hfcyly", "hfcylz"].contains(&case.name);
+            assert!(dialect == Dialect::Strict && is_ours, "{}: {message}", case.name);
             None
         }
     });

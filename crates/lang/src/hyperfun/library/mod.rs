@@ -67,9 +67,13 @@ pub(crate) struct Function {
     pub(crate) body: Body,
 }
 
+/// Documented functions that the C interpreter has not registered: names like any other in the strict dialect.
+const LENIENT_ONLY: [&str; 4] = ["hfcylx", "hfcyly", "hfcylz", "hffmapblob"];
+
 /// The function of a name in lower case.
-pub(crate) fn lookup(lower_case_name: &str) -> Option<&'static Function> {
-    FUNCTIONS.iter().find(|f| f.name == lower_case_name)
+pub(crate) fn lookup(lower_case_name: &str, dialect: Dialect) -> Option<&'static Function> {
+    let hidden = dialect == Dialect::Strict && LENIENT_ONLY.contains(&lower_case_name);
+    FUNCTIONS.iter().find(|f| f.name == lower_case_name && !hidden)
 }
 
 /// The names of all functions, in lower case.
@@ -118,6 +122,15 @@ pub(crate) fn whole_function(graph: &mut Graph, id: NodeId, arguments: &[NodeId]
     use WholeFunction::*;
     let all = [PerlinNoise, EllipsoidDistance, RoundedIntersection, SnappingIntersection];
     all.into_iter().find(|known| graph.call(known.function(), arguments) == id)
+}
+
+/// Why a function that is known elsewhere does not run, if `lower_case_name` is one.
+pub(crate) fn unsupported(lower_case_name: &str) -> Option<&'static str> {
+    Some(match lower_case_name {
+        "hfbeziersplinef" => "it is named in the documentation, but its formula was never published",
+        "hfr" => "it calls a function of the R session that it runs in, and there is none here",
+        _ => return None,
+    })
 }
 
 /// `name(kind parameter, …) => formula`, with the kinds A for an array and R for a number.

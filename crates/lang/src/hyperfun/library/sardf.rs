@@ -205,8 +205,10 @@ impl Function for Intersection {
         } else {
             (-x.lo.min(0.0).hypot(y.lo.min(0.0)), x.hi.max(y.hi).max(0.0))
         };
-        let has_nan = [x, y, r, alpha].iter().any(|a| a.lo.is_nan() || a.hi.is_nan());
-        if has_nan || lo.is_nan() || hi.is_nan() {
+        let has_nan = [x, y].iter().any(|a| a.lo.is_nan() || a.hi.is_nan());
+        // With an infinite radius or angle there is no value.
+        let is_open = [r, alpha].iter().any(|a| !a.lo.is_finite() || !a.hi.is_finite());
+        if has_nan || is_open || lo.is_nan() || hi.is_nan() {
             return Interval::undefined();
         }
         let widen = |v: f64| ROUNDING * v.abs() + f64::MIN_POSITIVE;

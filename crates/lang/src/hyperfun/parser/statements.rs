@@ -1,8 +1,8 @@
 //! From tokens to statements.
 
-use super::{Parsed, Parser, Reported, is_header};
+use super::{MAX_VALUES, Parsed, Parser, Reported, is_header};
 use crate::diagnostic::Diagnostic;
-use crate::hyperfun::ast::{A, Code, OWN, SlotId, Statement, X};
+use crate::hyperfun::ast::{A, Code, Extent, OWN, Slot, SlotId, Statement, X};
 use crate::hyperfun::lexer::{Symbol, Token};
 use crate::hyperfun::report::Span;
 use crate::hyperfun::{expression, hints};
@@ -57,9 +57,9 @@ impl Parser<'_> {
         }
     }
 
-    fn statement(&mut self) -> Parsed<Option<Statement>> {
+    fn statement(&mut self) -> Parsed<Vec<Statement>> {
         if self.peek() == Token::Array {
-            return self.array_declaration().map(|()| None);
+            return self.array_declaration();
         }
         self.scope.has_statements = true;
         if self.strict() && self.scope.results > 0 {
@@ -76,7 +76,7 @@ impl Parser<'_> {
                 Err(self.fail(error.with_help(help)))
             }
         }
-        .map(Some)
+        .map(|statement| vec![statement])
     }
 
     fn nested(&mut self, parse: fn(&mut Self) -> Parsed<Statement>) -> Parsed<Statement> {
@@ -91,34 +91,62 @@ impl Parser<'_> {
         statement
     }
 
-    fn array_declaration(&mut self) -> Parsed<()> {
+    /// `array name[size], …;`: statements for the sizes that have to be computed.
+    fn array_declaration(&mut self) -> Parsed<Vec<Statement>> {
         let keyword = self.bump();
         if self.scope.has_statements {
             self.extension(keyword, "an array declared after the first statement");
         }
+        let mut statements = Vec::new();
         loop {
-            let span = self.span();
-            let Token::Name(name) = self.peek() else {
-                let error = self.unexpected("the name of an array");
-                return Err(self.fail(error));
-            };
-            if let Some(what) = self.reserved(name) {
-                let message = format!("`{}` is {what}", self.name(name));
-                return Err(self.fail(Diagnostic::error(span.range(), message, "expected another name")));
-            }
-            self.bump();
-            self.expect(Token::OpenBracket, "`[` and a size")?;
-            let size = self.size()?;
-            if self.scope.known.contains_key(&name) {
-                let message = format!("`{}` exists already", self.name(name));
-                self.report.error(span, message, "second declaration");
-            } else {
-                self.declare(name, Some(size));
-            }
+            statements.extend(self.declared_array()?);
             if !self.accept(Token::Comma) {
-                return self.semicolon();
+                self.semicolon()?;
+                return Ok(statements);
             }
         }
+    }
+
+    fn declared_array(&mut self) -> Parsed<Option<Statement>> {
+        let span = self.span();
+        let Token::Name(name) = self.peek() else {
+            let error = self.unexpected("the name of an array");
+            return Err(self.fail(error));
+        };
+        if let Some(what) = self.reserved(name) {
+            let message = format!("`{}` is {what}", self.name(name));
+            return Err(self.fail(Diagnostic::error(span.range(), message, "expected another name")));
+        }
+        self.bump();
+        self.expect(Token::OpenBracket, "`[` and a size")?;
+        let is_number = matches!(self.peek(), Token::Number(_)) && self.peek_after() == Token::CloseBracket;
+        if is_number || self.strict() {
+            let size = self.size()?;
+            self.declare_array(name, span, Extent::Array(size));
+            if self.scope.slots.last().is_some_and(|slot| slot.end() > MAX_VALUES) {
+                let message = format!("`{}` has more than {MAX_VALUES} values in all", self.own_name());
+                return Err(self.fail(Diagnostic::error(span.range(), message, "here the limit is reached")));
+            }
+            return Ok(None);
+        }
+        let start = self.span();
+        let length = expression::parse(self, false)?;
+        let place = start.to(self.last_span());
+        self.expect(Token::CloseBracket, "an operator or `]`")?;
+        let number = self.scope.computed;
+        self.scope.computed += 1;
+        let declared = self.declare_array(name, span, Extent::Computed(number));
+        Ok(declared.map(|target| Statement::Declare { target, length, span: place }))
+    }
+
+    /// A new array; an error if the name has another meaning here.
+    fn declare_array(&mut self, name: Symbol, span: Span, extent: Extent) -> Option<SlotId> {
+        if self.scope.known.contains_key(&name) {
+            let message = format!("`{}` exists already", self.name(name));
+            self.report.error(span, message, "second declaration");
+            return None;
+        }
+        Some(self.declare(name, extent))
     }
 
     /// The end of a statement.
@@ -147,7 +175,7 @@ impl Parser<'_> {
 
     fn if_statement(&mut self) -> Parsed<Statement> {
         let span = self.bump();
-        let condition = expression::parse(self, true)?;
+        let condition = self.condition(Token::Then)?;
         self.expect_word(Token::Then, "then", "after the condition of `if` stands `then`")?;
         let then = self.block();
         let otherwise = if self.accept(Token::Else) { self.block() } else { Vec::new() };
@@ -157,11 +185,29 @@ impl Parser<'_> {
 
     fn while_statement(&mut self) -> Parsed<Statement> {
         let span = self.bump();
-        let condition = expression::parse(self, true)?;
+        let condition = self.condition(Token::Loop)?;
         self.expect_word(Token::Loop, "loop", "after the condition of `while` stands `loop`")?;
         let body = self.block();
         self.close_block(Token::Endloop, "`endloop`", span)?;
         Ok(Statement::While { condition, body, span })
+    }
+
+    /// The condition in front of a word. If it cannot be read, its block is read all the same: what ends the block would
+    /// be an error otherwise.
+    fn condition(&mut self, word: Token) -> Parsed<Code> {
+        expression::parse(self, true).or_else(|reported| {
+            let mut rest = self.tokens[self.at..].iter().map(|token| token.0);
+            let ends = |token: &Token| {
+                use Token::*;
+                matches!(token, Then | Loop | Else | Endif | Endloop | Semicolon | CloseBrace | End)
+            };
+            let length = rest.clone().take_while(|token| !ends(token)).count();
+            if rest.nth(length) != Some(word) {
+                return Err(reported);
+            }
+            self.at += length;
+            Ok(Code::new())
+        })
     }
 
     fn expect_word(&mut self, token: Token, word: &str, help: &str) -> Parsed<()> {
@@ -199,14 +245,14 @@ impl Parser<'_> {
         };
         let place = span.to(self.last_span());
         self.equals_sign(name)?;
-        let is_array = self.scope.slots[target].length.is_some();
+        let is_array = self.scope.slots[target].is_array();
         if matches!(target, X | A) {
             self.extension(place, "an assignment to coordinates or parameters");
         }
         if self.peek() == Token::OpenBracket && is_array && index.is_none() {
-            let items = self.literal(target)?;
+            let (items, span) = self.literal(target)?;
             self.semicolon()?;
-            return Ok(Statement::Fill { target, items });
+            return Ok(Statement::Fill { target, items, span });
         }
         self.check_shape(target, index.is_some(), place)?;
         let value = expression::parse(self, false);
@@ -240,13 +286,13 @@ impl Parser<'_> {
     fn check_shape(&mut self, target: SlotId, indexed: bool, place: Span) -> Parsed<()> {
         let slot = &self.scope.slots[target];
         let name = &slot.name;
-        let error = match (slot.length, indexed) {
-            (Some(_), false) => {
+        let error = match (slot.is_array(), indexed) {
+            (true, false) => {
                 let message = format!("the array `{name}` cannot be assigned as a whole");
                 Diagnostic::error(place.range(), message, "expected an index")
                     .with_help(format!("write `{name}[1] = …;`, or `{name} = [ … ];` with all its elements"))
             }
-            (None, true) => {
+            (false, true) => {
                 let message = format!("`{name}` is a number, not an array");
                 Diagnostic::error(place.range(), message, "has no elements")
             }
@@ -276,17 +322,25 @@ impl Parser<'_> {
             return Err(self.undeclared_array(name, span));
         }
         // A foreign word like `elseif` must not become a variable; `equals_sign` reports it.
-        Ok(if self.peek() == Token::Equal { self.declare(name, None) } else { OWN })
+        Ok(if self.peek() == Token::Equal { self.declare(name, Extent::Scalar) } else { OWN })
+    }
+
+    /// Whether a number, perhaps with one sign, stands here alone.
+    fn is_signed_number(&self) -> bool {
+        let signs = usize::from(matches!(self.peek(), Token::Plus | Token::Minus));
+        let token = |i: usize| self.tokens.get(self.at + i).map(|t| t.0);
+        matches!(token(signs), Some(Token::Number(_)))
+            && matches!(token(signs + 1), Some(Token::Comma | Token::CloseBracket))
     }
 
     /// `[ … ]` with a value for each element.
-    fn literal(&mut self, target: SlotId) -> Parsed<Vec<Code>> {
+    fn literal(&mut self, target: SlotId) -> Parsed<(Vec<Code>, Span)> {
         let open = self.bump();
         let mut items = Vec::new();
         loop {
-            let span = self.span();
+            let (span, is_number) = (self.span(), self.is_signed_number());
             items.push(expression::parse(self, false)?);
-            if !expression::is_signed_number(items.last()) {
+            if !is_number {
                 self.extension(span, "an array literal with more than numbers");
             }
             if !self.accept(Token::Comma) {
@@ -295,12 +349,22 @@ impl Parser<'_> {
         }
         let close = self.expect(Token::CloseBracket, "`,` or `]`")?;
         let slot = &self.scope.slots[target];
-        let size = slot.length.unwrap_or(1);
-        if items.len() != size {
-            let message = format!("`{}` has {size} elements, not {}", slot.name, items.len());
-            let label = format!("expected {size} values");
-            return Err(self.fail(Diagnostic::error(open.to(close).range(), message, label)));
+        let span = open.to(close);
+        if let Some(size) = slot.length().filter(|size| *size != items.len()) {
+            let error = wrong_number_of_values(slot, size, items.len(), span);
+            return Err(self.fail(error));
         }
-        Ok(items)
+        Ok((items, span))
     }
+}
+
+/// The error for `[ … ]` with too many or too few values.
+pub(in crate::hyperfun) fn wrong_number_of_values(
+    slot: &Slot,
+    size: usize,
+    found: usize,
+    span: Span,
+) -> Diagnostic {
+    let message = format!("`{}` has {size} elements, not {found}", slot.name);
+    Diagnostic::error(span.range(), message, format!("expected {size} values"))
 }

@@ -111,7 +111,7 @@ fn argument(word: &str) -> Given {
 
 /// The array `xt` or `s` after the call.
 fn changed_array(function: &str, words: &[&str], returned: &Returned) -> Vec<f64> {
-    let parameters = lookup(&function.to_lowercase()).expect("a function").parameters;
+    let parameters = lookup(&function.to_lowercase(), Dialect::Lenient).expect("a function").parameters;
     let arrays = words.iter().zip(parameters).filter(|(_, (_, kind))| *kind == Kind::Array);
     let position = arrays.map(|(word, _)| *word).position(|word| word == "xt" || word == "s");
     returned.arrays[position.expect("an array that changes")].clone()
