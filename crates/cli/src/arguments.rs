@@ -37,6 +37,8 @@ pub(crate) enum Command {
     Eval(EvalArguments),
     /// Say what is in a model, and what is strange about it.
     Check(EvalArguments),
+    /// Print bounds of the volume, area, centroid and extent of a solid, all of them proved.
+    Measure(crate::measure::MeasureArguments),
 }
 
 /// Which model.
@@ -170,12 +172,12 @@ pub(crate) enum MethodName {
     Sampled,
 }
 
-fn parse_number(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_number(text: &str) -> Result<f64, String> {
     let text = text.trim();
     text.parse().map_err(|_| format!("`{text}` is not a number"))
 }
 
-fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+pub(crate) fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Vec<f64> = text.split(',').map(parse_number).collect::<Result<_, _>>()?;
     let count = numbers.len();
     numbers.try_into().map_err(|_| format!("{N} numbers with commas between them are needed, not {count}"))
@@ -185,7 +187,7 @@ fn parse_vector(text: &str) -> Result<DVec3, String> {
     parse_numbers(text).map(DVec3::from_array)
 }
 
-fn parse_bounds(text: &str) -> Result<[f64; 6], String> {
+pub(crate) fn parse_bounds(text: &str) -> Result<[f64; 6], String> {
     parse_numbers(text)
 }
 

@@ -1,6 +1,8 @@
 //! How the program ends when it does not succeed.
 
-use fieldstone::{BoundsError, Diagnostics, InputError, LoadError, OutputError, RenderError, RequestError};
+use fieldstone::{
+    BoundsError, Diagnostics, InputError, LoadError, MeasureError, OutputError, RenderError, RequestError,
+};
 use std::{fmt, io};
 
 /// Why the program stops.
@@ -57,6 +59,6 @@ macro_rules! failures {
 }
 
 failures! {
-    Usage: InputError, BoundsError, RequestError;
+    Usage: InputError, BoundsError, RequestError, MeasureError;
     Material: Diagnostics, LoadError, OutputError, RenderError;
 }

@@ -5,6 +5,7 @@ mod arguments;
 mod check;
 mod eval;
 mod failure;
+mod measure;
 mod render;
 
 use arguments::{Arguments, Command};
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments, start),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Measure(arguments) => measure::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

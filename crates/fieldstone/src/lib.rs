@@ -47,12 +47,14 @@
 mod evaluate;
 mod inputs;
 mod load;
+mod measure;
 mod output;
 mod request;
 
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
+pub use measure::{MeasureError, MeasureRequest, Measured};
 pub use output::{OutputError, write_beside, write_exr, write_png};
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 
@@ -66,5 +68,7 @@ pub use fieldstone_scene::{
     LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene, SceneError,
     Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
 };
-pub use fieldstone_space::{DEFAULT_BOUNDS, Extent, FoundBounds, solid_bounds};
+pub use fieldstone_space::{
+    DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,
+};
 pub use glam;

@@ -130,7 +130,11 @@ impl RenderRequest {
     }
 }
 
-fn find_bounds(model: &Model, bindings: &Bindings) -> Result<(Bounds, Option<Warning>), RequestError> {
+/// The box of the solid of a model, and what is strange about it.
+pub(crate) fn find_bounds(
+    model: &Model,
+    bindings: &Bindings,
+) -> Result<(Bounds, Option<Warning>), BoundsError> {
     let mut varying_free = bindings.clone();
     (0..3).for_each(|k| varying_free.set(Input::Coordinate(k), 0.0));
     let found = solid_bounds(&model.field, &varying_free);
