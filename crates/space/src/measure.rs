@@ -31,7 +31,7 @@ use std::collections::BTreeMap;
 use totals::Inside;
 
 /// How many open cells may be kept at a time.
-const MOST_CELLS: usize = 1_500_000;
+const MOST_CELLS: usize = 1_200_000;
 
 /// How closely to measure, and for how long.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -45,7 +45,7 @@ pub struct MeasureOptions {
 impl Default for MeasureOptions {
     /// 10⁻³, and some seconds at most.
     fn default() -> Self {
-        Self { tolerance: 1e-3, operations: 3_000_000_000 }
+        Self { tolerance: 1e-3, operations: 6_000_000_000 }
     }
 }
 
@@ -151,12 +151,21 @@ pub fn measure(
 /// A kind of open cells (0: one plane, 1: edges, 2: anything) and their level.
 type Class = (u8, u8);
 
-/// Open cells of one class, and what they leave in doubt.
-#[derive(Default)]
+/// Open cells of one class, and sums over them.
 struct Cells {
     open: Vec<Open>,
-    volume: f64,
+    /// Bounds of the volume that is inside.
+    volume: Range,
+    /// About the area.
     area: f64,
+    /// About how much of that is in doubt.
+    doubt: f64,
+}
+
+impl Default for Cells {
+    fn default() -> Self {
+        Self { open: Vec::new(), volume: Range::point(0.0), area: 0.0, doubt: 0.0 }
+    }
 }
 
 /// The cells found so far.
@@ -167,12 +176,14 @@ struct Octree<'p> {
     classes: BTreeMap<Class, Cells>,
     operations: u64,
     cells: u64,
+    /// How many times the doubt about the area exceeded what the cells say.
+    doubt_scale: f64,
 }
 
 impl<'p> Octree<'p> {
     fn new(pieces: &'p Pieces, grid: Grid) -> Self {
         let classes = BTreeMap::new();
-        Self { pieces, grid, inside: Inside::default(), classes, operations: 0, cells: 0 }
+        Self { pieces, grid, inside: Inside::default(), classes, operations: 0, cells: 0, doubt_scale: 1.0 }
     }
 
     fn open_cells(&self) -> impl Iterator<Item = &Open> + Clone {
@@ -207,62 +218,64 @@ impl<'p> Octree<'p> {
                     Surface::Rough | Surface::Undefined => 2,
                 };
                 let class = self.classes.entry((kind, open.cell.level)).or_default();
-                let volume = totals::volume(&self.grid.extent(open.cell)).hi;
-                class.volume += volume * (open.fraction.hi - open.fraction.lo);
-                class.area += open.doubt;
+                let volume = totals::volume(&self.grid.extent(open.cell));
+                class.volume = class.volume + volume * open.fraction;
+                class.area += open.area;
+                class.doubt += open.doubt;
                 class.open.push(open);
             }
         }
     }
 
-    fn volume(&self) -> Enclosure {
-        self.inside.volume(&self.grid, self.open_cells()).into()
+    fn volume(&self) -> Range {
+        self.classes.values().fold(self.inside.volume, |sum, class| sum + class.volume)
     }
 
-    fn area(&self) -> Enclosure {
-        totals::area(&self.grid, self.open_cells()).into()
+    fn area(&self) -> Range {
+        totals::area(&self.grid, self.open_cells())
+    }
+
+    fn about_area(&self) -> f64 {
+        self.classes.values().map(|class| class.area).sum()
     }
 
     /// Whether no more is to be gained: the bounds are close, or there is no upper one for the area and what
     /// could be had is.
-    fn is_close(&self, tolerance: f64) -> bool {
-        if !self.volume().is_within(tolerance) {
+    fn is_close(&mut self, tolerance: f64) -> bool {
+        if !Enclosure::from(self.volume()).is_within(tolerance) {
             return false;
         }
-        let doubt: f64 = self.classes.values().map(|class| class.area).sum();
-        // The sum proper takes longer.
-        doubt <= tolerance * self.about_area() && {
-            let area = self.area();
-            area.is_within(tolerance) || area.upper.is_infinite()
+        let doubt: f64 = self.classes.values().map(|class| class.doubt).sum();
+        if doubt * self.doubt_scale > tolerance * self.about_area() {
+            return false;
         }
-    }
-
-    fn about_area(&self) -> f64 {
-        self.open_cells().map(|open| open.area).sum()
+        // The sum proper takes longer: it is asked again when the doubt has fallen as far as seems necessary.
+        let area = Enclosure::from(self.area());
+        let is_close = area.is_within(tolerance) || area.upper.is_infinite();
+        self.doubt_scale = (1.1 * area.width() / doubt).max(self.doubt_scale);
+        is_close
     }
 
     /// The class that owes the most for each of its cells.
     fn most_doubtful(&self, tolerance: f64) -> Option<Class> {
         let volume = self.volume();
-        let (volume, is_close) = (0.5 * (volume.lower + volume.upper), volume.is_within(tolerance));
-        let area = self.about_area();
+        let is_close = Enclosure::from(volume).is_within(tolerance);
+        let (volume, area) = (0.5 * (volume.lo + volume.hi), self.about_area());
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { part };
         let doubt = |class: &Cells| {
-            let in_volume = if is_close { 0.0 } else { share(class.volume, volume) };
-            (in_volume + share(class.area, area)) / class.open.len() as f64
+            let in_volume = if is_close { 0.0 } else { share(class.volume.width(), volume) };
+            (in_volume + share(class.doubt, area)) / class.open.len() as f64
         };
-        let rated = self
-            .classes
-            .iter()
-            .filter(|((_, level), class)| self.grid.divides(*level) && !class.open.is_empty());
-        let rated = rated.map(|(&class, cells)| (class, doubt(cells)));
+        let divisible = self.classes.iter().filter(|((_, level), _)| self.grid.divides(*level));
+        let rated = divisible.map(|(&class, cells)| (class, doubt(cells)));
         rated.filter(|(_, doubt)| *doubt > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(class, _)| class)
     }
 
     /// How many cells may be divided with so many operations, and before there are too many.
     fn affordable(&self, operations: u64) -> usize {
         // About half of the parts of an open cell are open themselves, and are looked at more closely.
-        let each = 8 * (2 * self.pieces.values.len() + self.pieces.gradients.len() / 2 + 1);
+        let each = 8 * (2 * self.pieces.values.len() + self.pieces.gradients.len() / 2)
+            + 4 * examine::PLANE_OPERATIONS;
         let in_time = usize::try_from(operations / each as u64).unwrap_or(usize::MAX);
         in_time.min(MOST_CELLS.saturating_sub(self.open_cells().count()) / 4)
     }
@@ -301,7 +314,7 @@ impl<'p> Octree<'p> {
 
     fn measures(&self, tolerance: f64) -> Measures {
         let corners = |sides: [Range; 3]| (sides.map(|side| side.lo), sides.map(|side| side.hi));
-        let (volume, area) = (self.volume(), self.area());
+        let (volume, area) = (Enclosure::from(self.volume()), Enclosure::from(self.area()));
         let (outer, inner) = self.boxes();
         let undefined = self.open_cells().filter(|open| matches!(open.surface, Surface::Undefined));
         Measures {
@@ -310,7 +323,7 @@ impl<'p> Octree<'p> {
             centroid: self.centroid(outer),
             outer: outer.map(corners),
             inner: inner.map(corners),
-            undefined: undefined.map(|open| totals::volume(&self.grid.extent(open.cell)).hi).sum(),
+            undefined: undefined.fold(0.0, |sum, open| sum + totals::volume(&self.grid.extent(open.cell)).hi),
             reached: volume.is_within(tolerance) && area.is_within(tolerance),
             cells: self.cells,
         }
@@ -318,7 +331,7 @@ impl<'p> Octree<'p> {
 
     /// The bounds of the centroid, which lies in the outer box too.
     fn centroid(&self, outer: Option<[Range; 3]>) -> Option<[Enclosure; 3]> {
-        let (centroid, outer) = (self.inside.centroid(&self.grid, self.open_cells())?, outer?);
+        let (centroid, outer) = (self.inside.centroid(&self.grid, self.volume(), self.open_cells())?, outer?);
         Some([0, 1, 2].map(|i| Enclosure {
             lower: centroid[i].lo.max(outer[i].lo),
             upper: centroid[i].hi.min(outer[i].hi),

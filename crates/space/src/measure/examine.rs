@@ -5,6 +5,9 @@ use super::pieces::{Part, Pieces};
 use super::plane::{Plane, Range};
 use fieldstone_field::{F64, Intervals, LANES, Tape, Workspace};
 
+/// What putting a plane to a piece in a cell costs besides evaluation, in operations on lanes.
+pub(super) const PLANE_OPERATIONS: usize = 1000;
+
 /// What is known of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Found {
@@ -153,6 +156,7 @@ impl<'p> Examiner<'p> {
                 if !matches!(self.knowledge[known], Knowledge::Open) {
                     continue;
                 }
+                self.operations += PLANE_OPERATIONS as u64;
                 let slopes = [0, 1, 2].map(|axis| self.output(3 * piece + axis, place));
                 let value = values[place * pieces.count + piece];
                 if let Some(plane) = Plane::new(&boxes[place], value, &slopes) {

@@ -278,3 +278,121 @@ fn chosen(graph: &mut Graph, condition: NodeId, a: Slopes, b: Slopes) -> Slopes 
         any.map(|_| graph.select(condition, a[axis].unwrap_or(zero), b[axis].unwrap_or(zero)))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::pieces::Pieces;
+    use fieldstone_field::{Bindings, F64, Interval, Intervals, Workspace};
+    use fieldstone_lang::{Source, parse_formula};
+
+    type Range = Interval<f64>;
+
+    /// The value over a box and the slopes over it, of a formula that is one piece.
+    fn slopes(text: &str, cell: &[Range; 3]) -> [Range; 3] {
+        let field = parse_formula(&Source::new("formula", text)).unwrap().field;
+        let pieces = Pieces::new(&field, &Bindings::new());
+        assert_eq!(pieces.count, 1, "{text}");
+        let mut workspace: Workspace<F64, Intervals> = Workspace::new();
+        for (axis, side) in cell.iter().enumerate() {
+            workspace.input(axis, 0)[0] = side.lo;
+            workspace.input(axis, 1)[0] = side.hi;
+        }
+        workspace.run(&pieces.gradients, 1);
+        [0, 1, 2].map(|axis| Range::new(workspace.output(axis, 0)[0], workspace.output(axis, 1)[0]))
+    }
+
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// f(p) − f(q) lies in G·(p − q), for one formula per operation, boxes of all sizes, and pairs of points.
+    #[test]
+    fn slopes_hold_all_differences() {
+        let formulas = [
+            "x*y - z/(2 + x)",
+            "sqrt(x + 2)*z",
+            "abs(x) - abs(y*z)",
+            "exp(x)*log(y + 3)",
+            "sin(3*x)*cos(2*y)",
+            "tan(x/2) + y",
+            "asin(x/2) + acos(y/2)",
+            "atan(5*x) + z",
+            "sinh(x) - cosh(y)",
+            "tanh(4*x)",
+            "(x + 2)^(y + z)",
+            "x^3 + y^4 + z^(0-2)",
+            "(x + 2)^1.5",
+            "x + min(x, y)*z",
+            "1 + max(x*y, z)",
+            "2*runion(x, y) + z",
+            "z - 2*rinter(x, y*z)",
+            "floor(2*x) + y",
+            "x*round(y)",
+            "mod(x, 0.7) + z",
+            "atan2(y, x) + z",
+            "atan2(x*z, y)",
+            "if(x < 0.2, y, z + 1)",
+            "1/x + y",
+            "ceil(x)*floor(y + z)",
+        ];
+        let (mut state, mut finite, mut broken) = (11, 0, 0);
+        for text in formulas {
+            let field = parse_formula(&Source::new("formula", text)).unwrap().field;
+            let value = |p: &[f64; 3]| field.at(p, &Bindings::new())[0];
+            for k in 0..60 {
+                let side = 2f64.powi(-(k % 12));
+                let cell =
+                    [0, 1, 2].map(|_| 2.0 * random(&mut state) - 1.0).map(|x| Range::new(x, x + side * 0.5));
+                let found = slopes(text, &cell);
+                if found.iter().any(|s| !(s.hi - s.lo).is_finite()) {
+                    continue;
+                }
+                finite += 1;
+                for _ in 0..20 {
+                    let mut point = || cell.map(|side| side.lo + side.width() * random(&mut state));
+                    let (p, q) = (point(), point());
+                    let difference = value(&p) - value(&q);
+                    let image =
+                        (0..3).fold(Range::point(0.0), |sum, i| sum + found[i] * Range::point(p[i] - q[i]));
+                    let slack = 1e-12 * (1.0 + value(&p).abs());
+                    let is_held = image.lo - slack <= difference && difference <= image.hi + slack;
+                    assert!(is_held, "{text}: {difference} is not in {image:?} over {cell:?}");
+                    // What no comparer may accept: half of the way outside.
+                    broken += usize::from(image.hi + slack < difference + 1.5 * image.width() + 1e-9);
+                }
+            }
+        }
+        assert!(finite > 700 && broken > 0, "{finite} {broken}");
+    }
+
+    #[test]
+    fn slopes_are_close_to_the_derivative() {
+        let cell = [0.5, 0.25, 0.75].map(|x: f64| Range::new(x, x + 1e-6));
+        let cases: [(&str, [f64; 3]); 4] = [
+            ("x^2*y + sin(z)", [0.25, 0.25, 0.75f64.cos()]),
+            ("sqrt(x^2 + y^2) - z", [0.5 / 0.3125f64.sqrt(), 0.25 / 0.3125f64.sqrt(), -1.0]),
+            ("floor(x + 0.2) + 3*y", [0.0, 3.0, 0.0]),
+            ("x - 2*z", [1.0, 0.0, -2.0]),
+        ];
+        for (text, expected) in cases {
+            let found = slopes(text, &cell);
+            for (slope, expected) in found.iter().zip(expected) {
+                assert!(slope.lo <= expected + 2e-6 && expected - 2e-6 <= slope.hi, "{text}: {found:?}");
+                assert!(slope.width() < 1e-5, "{text}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn jumps_have_no_finite_slope() {
+        let cell = [-0.1, -0.2, 0.1].map(|x: f64| Range::new(x, x + 0.3));
+        let jumping =
+            ["floor(x)", "if(x, y, z)", "round(x*5)", "mod(x, 0.5)", "atan2(y, x - 1)", "sign(y)*z", "1/x"];
+        for text in jumping {
+            let found = slopes(text, &cell);
+            assert!(found.iter().any(|s| !(s.hi - s.lo).is_finite()), "{text}: {found:?}");
+        }
+        assert!(slopes("atan2(y, x + 1)", &cell).iter().all(|s| (s.hi - s.lo).is_finite()));
+    }
+}

@@ -138,8 +138,8 @@ fn direction(g: [f64; 3], radius: [f64; 3]) -> ([f64; 3], f64) {
 
 /// The part of the cube \[−1, 1\]³ where value + Σ step\[i\]·uᵢ < 0.
 ///
-/// With m the |steps| in rising order that is an average of averages over \[0, 1\] of a ramp, each of which is piecewise
-/// a polynomial of degree 1, 2 between known places, so that Simpson's rule is exact (with a factor u too, for moments). Nothing cancels,
+/// With m the |steps| in rising order that is an average over \[0, 1\] of parts of a square, which is piecewise
+/// a polynomial of degree 2 between known places, so that Simpson's rule is exact (with a factor u too, for moments). Nothing cancels,
 /// however small a step is.
 fn below_zero(value: f64, step: [f64; 3]) -> f64 {
     let mut m = step.map(|s| 2.0 * s.abs());
@@ -174,10 +174,21 @@ fn solid_part(level: f64, m: [f64; 3]) -> f64 {
     averaged(kinks, |u| plane_part(level - m[0] * u, [m[1], m[2]]))
 }
 
-/// The part of \[0, 1\]² where Σ m\[i\]·uᵢ < level.
+/// The part of \[0, 1\]² where Σ m\[i\]·uᵢ < level, for m\[0\] ≤ m\[1\], which is above 0.
 fn plane_part(level: f64, m: [f64; 2]) -> f64 {
-    let kinks = [0.0, m[1], 0.0, 0.0].map(|k| (level - k) / m[0]);
-    averaged(kinks, |u| ((level - m[0] * u) / m[1]).clamp(0.0, 1.0))
+    let [small, large] = m;
+    let left = small + large - level;
+    if level <= 0.0 {
+        0.0
+    } else if left <= 0.0 {
+        1.0
+    } else if level < small {
+        0.5 * (level / small) * (level / large)
+    } else if left < small {
+        1.0 - 0.5 * (left / small) * (left / large)
+    } else {
+        (level - 0.5 * small) / large
+    }
 }
 
 /// The average over \[0, 1\] of a function that is a parabola between neighbouring kinks.

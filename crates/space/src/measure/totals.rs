@@ -11,7 +11,7 @@ const NOTHING: Range = Range::new(0.0, 0.0);
 /// Volume and first moments of cells that are inside all over.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inside {
-    volume: Range,
+    pub(super) volume: Range,
     /// ∫ (x − middle of the grid) dV.
     moment: [Range; 3],
     /// The smallest box around the cells.
@@ -38,20 +38,15 @@ impl Inside {
         self.hull = Some(self.hull.map_or(extent, |hull| super::examine::hull(&hull, &extent)));
     }
 
-    /// Bounds of the volume of the solid.
-    pub(super) fn volume<'o>(&self, grid: &Grid, open: impl Iterator<Item = &'o Open>) -> Range {
-        open.fold(self.volume, |sum, open| sum + volume(&grid.extent(open.cell)) * open.fraction)
-    }
-
-    /// Bounds of the centroid along each axis, if some of the solid is certain.
+    /// Bounds of the centroid along each axis of a solid with the volume `total`, if some of it is certain.
     ///
     /// Moments are taken about a point close to the centroid, so that what is uncertain of the volume moves it little.
     pub(super) fn centroid<'o>(
         &self,
         grid: &Grid,
+        total: Range,
         open: impl Iterator<Item = &'o Open> + Clone,
     ) -> Option<[Range; 3]> {
-        let total = self.volume(grid, open.clone());
         if total.lo <= 0.0 {
             return None;
         }
