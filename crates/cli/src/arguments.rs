@@ -39,6 +39,8 @@ pub(crate) enum Command {
     Check(EvalArguments),
     /// Print bounds of the volume, area, centroid and extent of a solid, all of them proved.
     Measure(crate::measure::MeasureArguments),
+    /// Draw the function along a ray, with its interval and affine bounds.
+    Plot(crate::plot::PlotArguments),
 }
 
 /// Which model.
@@ -191,7 +193,7 @@ pub(crate) fn parse_bounds(text: &str) -> Result<[f64; 6], String> {
     parse_numbers(text)
 }
 
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
+pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let hint = || format!("`{text}` is not a size: write 800x600");
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(hint)?;
     let number = |text: &str| text.trim().parse().map_err(|_| hint());

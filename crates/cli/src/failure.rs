@@ -1,7 +1,8 @@
 //! How the program ends when it does not succeed.
 
 use fieldstone::{
-    BoundsError, Diagnostics, InputError, LoadError, MeasureError, OutputError, RenderError, RequestError,
+    BoundsError, Diagnostics, InputError, LoadError, MeasureError, OutputError, PictureError, PlotError,
+    RenderError, RequestError,
 };
 use std::{fmt, io};
 
@@ -59,6 +60,6 @@ macro_rules! failures {
 }
 
 failures! {
-    Usage: InputError, BoundsError, RequestError, MeasureError;
-    Material: Diagnostics, LoadError, OutputError, RenderError;
+    Usage: InputError, BoundsError, RequestError, MeasureError, PlotError;
+    Material: Diagnostics, LoadError, OutputError, PictureError, RenderError;
 }

@@ -6,6 +6,7 @@ mod check;
 mod eval;
 mod failure;
 mod measure;
+mod plot;
 mod render;
 
 use arguments::{Arguments, Command};
@@ -21,6 +22,7 @@ fn main() -> ExitCode {
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Plot(arguments) => plot::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

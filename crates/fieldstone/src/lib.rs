@@ -49,6 +49,7 @@ mod inputs;
 mod load;
 mod measure;
 mod output;
+mod plot;
 mod request;
 
 pub use evaluate::Evaluator;
@@ -56,6 +57,10 @@ pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
 pub use measure::{MeasureError, MeasureRequest, Measured};
 pub use output::{OutputError, write_beside, write_exr, write_png};
+pub use plot::{
+    AffineForm, FirstHit, PictureError, PlotError, PlotRequest, PlottedSpan, RayChoice, RayPlot, Root,
+    SpanChoice, Verdict,
+};
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input};
@@ -71,4 +76,5 @@ pub use fieldstone_scene::{
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,
 };
+pub use fieldstone_trace::Certificate;
 pub use glam;

@@ -10,6 +10,8 @@ mod march;
 mod ray;
 mod sampled;
 mod solver;
+mod visit;
 
 pub use bundle::Tracer;
 pub use ray::{Certificate, Hit, Method, Outcome, Ray, Settings};
+pub use visit::{Visit, visited_spans};

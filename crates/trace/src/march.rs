@@ -40,12 +40,12 @@ pub(crate) struct Job {
 
 /// What a field is over a span.
 #[derive(Clone, Copy, Debug)]
-struct Span {
-    lo: f64,
-    hi: f64,
-    centre: f64,
-    slope: f64,
-    error: f64,
+pub(crate) struct Span {
+    pub(crate) lo: f64,
+    pub(crate) hi: f64,
+    pub(crate) centre: f64,
+    pub(crate) slope: f64,
+    pub(crate) error: f64,
 }
 
 impl Span {
@@ -58,7 +58,7 @@ impl Span {
     }
 
     /// The part of \[a, b\] that zeros are confined to; empty if they are excluded.
-    fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
+    pub(crate) fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
         if self.excludes_zero() {
             return None;
         }
@@ -131,7 +131,19 @@ impl Marcher {
         tape: &Tape,
         settings: &Settings,
         jobs: impl Iterator<Item = Job>,
+        finish: impl FnMut(&Job, Outcome),
+    ) {
+        self.run_observed(tape, settings, jobs, finish, |_, _| {});
+    }
+
+    /// The same; `observe` is told of every span that a ray looks at, and what the field is there.
+    pub(crate) fn run_observed(
+        &mut self,
+        tape: &Tape,
+        settings: &Settings,
+        jobs: impl Iterator<Item = Job>,
         mut finish: impl FnMut(&Job, Outcome),
+        mut observe: impl FnMut((f64, f64), &Span),
     ) {
         let mut jobs = jobs.fuse();
         let mut lanes: Vec<Lane> = jobs.by_ref().take(LANES).map(|job| Lane::new(job, settings)).collect();
@@ -140,7 +152,10 @@ impl Marcher {
         while !lanes.is_empty() {
             self.evaluate_spans(tape, settings, &lanes, &mut spans);
             let wants_span = lanes.iter_mut().filter(|l| matches!(l.wish, Wish::Span));
-            wants_span.zip(&spans).for_each(|(lane, span)| lane.take_span(span, settings));
+            wants_span.zip(&spans).for_each(|(lane, span)| {
+                observe(lane.span(), span);
+                lane.take_span(span, settings);
+            });
             self.evaluate_points(tape, &lanes, &mut values);
             let mut given = values.iter().copied();
             lanes.iter_mut().for_each(|lane| lane.take_values(&mut given, settings));
