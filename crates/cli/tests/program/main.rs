@@ -2,5 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
 mod eval;
+mod measure;
 mod place;
+mod plot;
 mod render;

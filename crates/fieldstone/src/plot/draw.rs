@@ -119,7 +119,9 @@ impl Picture<'_> {
         let ticks = self.scale.ticks();
         for (i, &value) in ticks.iter().enumerate() {
             let y = self.y(value);
-            if !(TOP..=BOTTOM).contains(&y) {
+            // Beside 0 there is no room for what is close to it.
+            let is_free = value == 0.0 || (y - self.y(0.0)).abs() > 14.0;
+            if !(TOP..=BOTTOM).contains(&y) || !is_free {
                 continue;
             }
             let next = ticks.get(i + 1).or(ticks.get(i.wrapping_sub(1))).copied().unwrap_or(value + 1.0);
@@ -180,10 +182,7 @@ impl Picture<'_> {
 
     /// Whether spans of a march lie on top of this one.
     fn is_divided(&self, span: &PlottedSpan) -> bool {
-        matches!(
-            (self.plot.choice, span.verdict),
-            (SpanChoice::Affine | SpanChoice::Interval, Verdict::Left(..))
-        )
+        !matches!(self.plot.choice, SpanChoice::Uniform(_)) && span.verdict != Verdict::Excluded
     }
 
     fn affine_form(&mut self, span: &PlottedSpan) {
@@ -212,8 +211,9 @@ impl Picture<'_> {
         let upper = (0..=parts).map(|i| edge(form.error, i));
         let lower = (0..=parts).rev().map(|i| edge(-form.error, i));
         let points: Vec<(f64, f64)> = upper.chain(lower).collect();
+        let opacity = if self.is_divided(span) { 0.0 } else { 0.1 };
         let style =
-            format!("fill=\"{AFFINE}\" fill-opacity=\"0.10\" stroke=\"{AFFINE}\" stroke-width=\"1.1\"");
+            format!("fill=\"{AFFINE}\" fill-opacity=\"{opacity}\" stroke=\"{AFFINE}\" stroke-width=\"1.1\"");
         self.svg.polygon(&points, &style);
     }
 
@@ -258,6 +258,15 @@ impl Picture<'_> {
                     self.stretch(b, span.end, EXCLUDED);
                     self.stretch(a, b, REMAINS);
                 }
+            }
+        }
+        // What was passed over at a tolerance is shorter than a pixel.
+        for span in &spans {
+            if let Verdict::Left(a, b) = span.verdict
+                && self.x(b) - self.x(a) < 1.0
+            {
+                let pixel = (self.plot.end - self.plot.start) / (RIGHT - LEFT);
+                self.stretch(0.5 * (a + b) - pixel, 0.5 * (a + b) + pixel, REMAINS);
             }
         }
         // A march ends with the first hit, however much it had looked at before.
@@ -305,10 +314,10 @@ impl Picture<'_> {
         for (row, hit) in hits.iter().enumerate() {
             let y = y + 18.0 * row as f64;
             self.svg.text((LEFT, y), &format!("first hit, {}:", hit.method), "");
-            self.svg.text((LEFT + 140.0, y), &in_words(hit), "");
+            self.svg.text((LEFT + 140.0, y), &in_words(hit, 1e-7 * (self.plot.end - self.plot.start)), "");
         }
         let roots = &self.plot.roots;
-        let name = |t: f64| label(t, 1e-5 * (self.plot.end - self.plot.start));
+        let name = |t: f64| place(t, 1e-5 * (self.plot.end - self.plot.start));
         let named: Vec<String> = roots.iter().take(NAMED_ROOTS).map(|root| name(root.t)).collect();
         let more = match roots.len().saturating_sub(NAMED_ROOTS) {
             0 => String::new(),
@@ -335,7 +344,7 @@ impl Picture<'_> {
         for (style, text) in boxes {
             self.svg.rectangle((x, y - 11.0), (x + 20.0, y + 1.0), &style);
             self.svg.text((x + 27.0, y), text, "");
-            x += 62.0 + 7.3 * text.len() as f64;
+            x += 54.0 + 7.3 * text.len() as f64;
         }
         let dots = [
             (Certificate::Certified, "root, certified"),
@@ -347,15 +356,15 @@ impl Picture<'_> {
             let style = format!("fill=\"{}\"", colour(certificate));
             self.svg.circle((x + 10.0, y - 5.0), 5.0, &style);
             self.svg.text((x + 27.0, y), text, "");
-            x += 62.0 + 7.3 * text.len() as f64;
+            x += 54.0 + 7.3 * text.len() as f64;
         }
         let diamond = [(x + 4.0, y - 5.0), (x + 10.0, y - 11.0), (x + 16.0, y - 5.0), (x + 10.0, y + 1.0)];
         self.svg.polygon(&diamond, "fill=\"#777777\"");
         self.svg.text((x + 27.0, y), "jump or pole", "");
-        x += 62.0 + 7.3 * 12.0;
+        x += 54.0 + 7.3 * 12.0;
         self.svg.line((x, y - 5.0), (x + 20.0, y - 5.0), &format!("stroke=\"{GRAPH}\" stroke-width=\"2\""));
         self.svg.text((x + 27.0, y), "f", "");
-        x += 70.0;
+        x += 62.0;
         self.svg.rectangle((x, y - 11.0), (x + 20.0, y + 1.0), "fill=\"#f4f4f4\" stroke=\"#bbbbbb\"");
         self.svg.text((x + 27.0, y), "left open behind a hit", "");
     }
@@ -376,8 +385,13 @@ fn colour(certificate: Certificate) -> &'static str {
     }
 }
 
-fn in_words(hit: &FirstHit) -> String {
-    let place = hit.t.map_or("none".to_owned(), |t| format!("t = {}", label(t, 1e-7)));
+/// A place on the ray with the digits that its resolution allows.
+fn place(t: f64, resolution: f64) -> String {
+    if t.abs() < 0.5 * resolution { "0".to_owned() } else { label(t, resolution) }
+}
+
+fn in_words(hit: &FirstHit, resolution: f64) -> String {
+    let place = hit.t.map_or("none".to_owned(), |t| format!("t = {}", place(t, resolution)));
     let certificate = match hit.certificate {
         Certificate::Certified => "certified",
         Certificate::Tolerance => "tolerance",

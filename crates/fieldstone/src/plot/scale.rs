@@ -46,7 +46,7 @@ impl Scale {
         let spread = if largest <= WIDE * typical {
             Spread::Linear
         } else {
-            Spread::Symmetric(10f64.powf(typical.max(largest * 1e-9).log10().floor()).max(f64::MIN_POSITIVE))
+            Spread::Symmetric(10f64.powf(typical.max(largest * 1e-30).log10().floor()).max(f64::MIN_POSITIVE))
         };
         let (lo, hi) = values.iter().fold((0.0f64, 0.0f64), |(lo, hi), &v| {
             let place = spread.place(v);
@@ -135,7 +135,7 @@ mod tests {
         let values = |largest: f64| (-50..=50).map(move |k| (f64::from(k) / 50.0).powi(9) * largest);
         let scale = Scale::of(values(1e12));
         assert!(matches!(scale.spread, Spread::Symmetric(_)));
-        assert!(scale.fraction(1e6) > scale.fraction(0.0) + 0.1);
+        assert!(scale.fraction(1e9) > scale.fraction(0.0) + 0.1);
         assert!(scale.fraction(f64::INFINITY) > 1.0 && scale.fraction(-1e300) < 0.0);
         let ticks = scale.ticks();
         assert!(ticks.len() > 4 && ticks.len() < 20 && ticks.windows(2).all(|w| w[0] < w[1]), "{ticks:?}");

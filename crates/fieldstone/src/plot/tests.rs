@@ -130,11 +130,14 @@ fn a_pixel_and_its_ray() {
     let ball = formula("x^2 + y^2 + z^2 - 1").unwrap();
     let pixel = |x, y| {
         let ray = RayChoice::Pixel { x, y };
-        PlotRequest { ray, ..request([0.0; 6], SpanChoice::Affine) }.plot(&ball)
+        let settings = fieldstone_scene::Settings { size: (512, 512), ..Default::default() };
+        let render = RenderRequest { settings, ..RenderRequest::default() };
+        PlotRequest { ray, render, ..request([0.0; 6], SpanChoice::Affine) }.plot(&ball)
     };
     let middle = pixel(256, 256).unwrap();
     assert_eq!(middle.roots.len(), 2);
-    assert!((middle.roots[1].t - middle.roots[0].t - 2.0).abs() < 1e-2);
+    let chord = middle.roots[1].t - middle.roots[0].t;
+    assert!((chord - 2.0).abs() < 1e-2, "{chord} {middle:?}");
     assert!(matches!(pixel(512, 0), Err(PlotError::Pixel { x: 512, .. })));
 }
 
