@@ -223,7 +223,7 @@ mod tests {
         let corner = |bits: usize| {
             let sign = |i: usize| if bits >> i & 1 == 1 { 1.0 } else { -1.0 };
             let at: f64 = value + (0..3).map(|i| sign(i) * step[i].abs()).sum::<f64>();
-            let parity = if bits.count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+            let parity = if bits.count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
             parity * (-at).max(0.0).powi(3)
         };
         (0..8).map(corner).sum::<f64>() / (48.0 * step.iter().map(|s| s.abs()).product::<f64>())
