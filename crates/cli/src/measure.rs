@@ -185,6 +185,9 @@ fn between(e: &Enclosure) -> String {
 
 /// A number with the digits that matter at a scale, rounded up or down so that bounds stay bounds.
 fn rounded(x: f64, scale: f64, up: bool) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
     let digits = (2.0 - scale.abs().log10().floor()).clamp(0.0, 15.0);
     let digits = if digits.is_finite() { digits as usize } else { 6 };
     let unit = 10f64.powi(digits as i32);
@@ -203,5 +206,6 @@ mod tests {
         assert_eq!(between(&Enclosure { lower: -1.0, upper: -1.0 }), "-1.000000 … -1.000000");
         assert_eq!(rounded(-0.123_456, 1e-2, true), "-0.1234");
         assert_eq!(rounded(1e300, 1.0, true), "1e300");
+        assert_eq!(rounded(0.0, 0.0, false), "0");
     }
 }
