@@ -8,10 +8,12 @@ use std::path::PathBuf;
 use crate::convert::ConvertArguments;
 use crate::examples;
 use crate::failure::Failure;
+use crate::measure::MeasureArguments;
+use crate::plot::PlotArguments;
 
 /// The headings of the options in the help.
-const VIEW: &str = "View";
-const METHOD: &str = "Method";
+pub(crate) const VIEW: &str = "View";
+pub(crate) const METHOD: &str = "Method";
 pub(crate) const OUTPUT: &str = "Output";
 
 /// See solids that are defined by functions.
@@ -40,6 +42,12 @@ pub(crate) enum Command {
     /// Say what is in a model, and what is strange about it.
     #[command(after_help = examples::CHECK)]
     Check(CheckArguments),
+    /// Print bounds of the volume, area, centroid and extent of a solid, all of them proved.
+    #[command(after_help = examples::MEASURE)]
+    Measure(MeasureArguments),
+    /// Draw the function along a ray, with its interval and affine bounds.
+    #[command(after_help = examples::PLOT)]
+    Plot(PlotArguments),
     /// Write a model in another language: HyperFun, a program or a formula.
     #[command(after_help = examples::CONVERT)]
     Convert(ConvertArguments),
@@ -263,12 +271,12 @@ fn parse_slice(text: &str) -> Result<SlicePlane, String> {
     Ok(SlicePlane(Some(Plane { axis, at: parse_number(at)? })))
 }
 
-fn parse_number(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_number(text: &str) -> Result<f64, String> {
     let text = text.trim();
     text.parse().map_err(|_| format!("`{text}` is not a number"))
 }
 
-fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+pub(crate) fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Vec<f64> = text.split(',').map(parse_number).collect::<Result<_, _>>()?;
     let count = numbers.len();
     numbers.try_into().map_err(|_| format!("{N} numbers with commas between them are needed, not {count}"))
@@ -278,7 +286,7 @@ fn parse_vector(text: &str) -> Result<DVec3, String> {
     parse_numbers(text).map(DVec3::from_array)
 }
 
-fn parse_bounds(text: &str) -> Result<[f64; 6], String> {
+pub(crate) fn parse_bounds(text: &str) -> Result<[f64; 6], String> {
     parse_numbers(text)
 }
 
@@ -286,7 +294,7 @@ fn parse_sphere(text: &str) -> Result<[f64; 4], String> {
     parse_numbers(text)
 }
 
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
+pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let hint = || format!("`{text}` is not a size: write 800x600");
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(hint)?;
     let number = |text: &str| text.trim().parse().map_err(|_| hint());

@@ -34,6 +34,35 @@ Examples:
   All layers (depth, normals, certificates) and the statistics of a large picture:
     fieldstone render model.hf -o model.exr --size 1920x1080 --samples 9 --stats stats.json";
 
+/// `measure`.
+pub(crate) const MEASURE: &str = "\
+Examples:
+  Volume, area, centroid and extent, each between two proved bounds; then for another program:
+    fieldstone measure model.hf
+    fieldstone measure model.hf --json
+
+  More digits, and more time for them:
+    fieldstone measure -e '(1 - sqrt(x^2 + y^2))^2 + z^2 - 0.125' --tolerance 1e-5 --effort 4
+
+  What is in a box of a solid without end:
+    fieldstone measure -e 'sin(x) + sin(y) + sin(z)' --bounds=-3,-3,-3,3,3,3
+
+The area is that of the surface f = 0: faces where the bounds cut the solid count for the volume only. Where the gradient
+may be 0 on the surface, the area has a lower bound only. Lengths are in the units of the model.";
+
+/// `plot`.
+pub(crate) const PLOT: &str = "\
+Examples:
+  The spans that the tracer looked at along a ray, with their bounds, the roots and what is proved of them:
+    fieldstone plot model.hf --ray 0,0,10,0,0,-1 -o ray.svg
+    fieldstone plot model.hf --ray 0,0,10,0,0,-1 --method interval -o ray.svg
+
+  The ray through a pixel of the picture that `render` makes:
+    fieldstone plot model.hf --through 200,120 --size 400x300 -o ray.png
+
+  How tight the bounds are over 16 spans of the same length:
+    fieldstone plot -e 'x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 11.8' --ray=-4,1,1,1,0,0 --spans 16 -o bounds.svg";
+
 /// `convert`.
 pub(crate) const CONVERT: &str = "\
 Examples:

@@ -1,8 +1,8 @@
 //! How the program ends when it does not succeed.
 
 use fieldstone::{
-    BallError, BoundsError, Diagnostics, InputError, LoadError, OutputError, RenderError, RequestError,
-    SliceError, SliceRequestError,
+    BallError, BoundsError, Diagnostics, InputError, LoadError, MeasureError, OutputError, PictureError,
+    PlotError, RenderError, RequestError, SliceError, SliceRequestError,
 };
 use std::{fmt, io};
 
@@ -65,8 +65,8 @@ macro_rules! failures {
 }
 
 failures! {
-    Usage: InputError, BallError, BoundsError, RequestError, SliceError, SliceRequestError;
-    Material: OutputError;
+    Usage: InputError, BallError, BoundsError, RequestError, SliceError, SliceRequestError, MeasureError, PlotError;
+    Material: OutputError, PictureError;
 }
 
 impl From<RenderError> for Failure {

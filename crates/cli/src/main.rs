@@ -10,6 +10,8 @@ mod examples;
 mod failure;
 mod interrupt;
 mod man;
+mod measure;
+mod plot;
 mod progress;
 mod render;
 mod slice;
@@ -29,6 +31,8 @@ fn main() -> ExitCode {
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),
+        Command::Measure(arguments) => measure::run(&arguments),
+        Command::Plot(arguments) => plot::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -91,7 +91,7 @@ fn output_kind(path: &Path) -> Result<Kind, Failure> {
 }
 
 /// Finds out before the work what would make it futile.
-fn check_writable(path: &Path) -> Result<(), Failure> {
+pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

@@ -1,8 +1,8 @@
 //! Where to look for what is to be drawn.
 
-use crate::request::{RequestError, Warning};
+use crate::request::Warning;
 use fieldstone_field::{Bindings, Field, Graph, Input};
-use fieldstone_scene::{Ball, Bounds};
+use fieldstone_scene::{Ball, Bounds, BoundsError};
 use fieldstone_space::{Extent, FoundBounds, solid_bounds};
 use glam::DVec3;
 
@@ -15,8 +15,16 @@ pub(crate) struct Wanted<'m> {
     pub(crate) clip: Option<&'m Ball>,
 }
 
+/// The box around the solid of a field.
+pub(crate) fn find_solid(
+    field: &Field,
+    bindings: &Bindings,
+) -> Result<(Bounds, Option<Warning>), BoundsError> {
+    find_bounds(&Wanted { field, bindings, surface: false, clip: None })
+}
+
 /// The box around what is wanted, and what may be strange about it.
-pub(crate) fn find_bounds(wanted: &Wanted<'_>) -> Result<(Bounds, Option<Warning>), RequestError> {
+pub(crate) fn find_bounds(wanted: &Wanted<'_>) -> Result<(Bounds, Option<Warning>), BoundsError> {
     let mut varying_free = wanted.bindings.clone();
     (0..3).for_each(|k| varying_free.set(Input::Coordinate(k), 0.0));
     let found = if wanted.surface || wanted.clip.is_some() {

@@ -68,7 +68,9 @@ mod evaluate;
 mod extent;
 mod inputs;
 mod load;
+mod measure;
 mod output;
+mod plot;
 mod presentation;
 mod request;
 mod slice;
@@ -78,7 +80,12 @@ pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
+pub use measure::{MeasureError, MeasureRequest, Measured};
 pub use output::{OutputError, check_writable, write_beside, write_exr, write_png, write_rgb};
+pub use plot::{
+    AffineForm, FirstHit, PictureError, PlotError, PlotRequest, PlottedSpan, RayChoice, RayPlot, Root,
+    SpanChoice, Verdict,
+};
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
 
@@ -97,5 +104,8 @@ pub use fieldstone_scene::{
     Light, LightError, LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene,
     SceneError, Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
 };
-pub use fieldstone_space::{DEFAULT_BOUNDS, Extent, FoundBounds, solid_bounds};
+pub use fieldstone_space::{
+    DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,
+};
+pub use fieldstone_trace::Certificate;
 pub use glam;

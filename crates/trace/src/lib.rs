@@ -11,6 +11,8 @@ mod minimiser;
 mod ray;
 mod sampled;
 mod solver;
+mod visit;
 
 pub use bundle::Tracer;
 pub use ray::{Certificate, Hit, Method, Outcome, Ray, Settings};
+pub use visit::{Visit, visited_spans};

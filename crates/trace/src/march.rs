@@ -46,12 +46,12 @@ pub(crate) struct Job {
 
 /// What a field is over a span.
 #[derive(Clone, Copy, Debug)]
-struct Span {
-    lo: f64,
-    hi: f64,
-    centre: f64,
-    slope: f64,
-    error: f64,
+pub(crate) struct Span {
+    pub(crate) lo: f64,
+    pub(crate) hi: f64,
+    pub(crate) centre: f64,
+    pub(crate) slope: f64,
+    pub(crate) error: f64,
     /// Whether loops did not end.
     endless: bool,
 }
@@ -71,7 +71,7 @@ impl Span {
     }
 
     /// The part of \[a, b\] that zeros are confined to; empty if they are excluded.
-    fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
+    pub(crate) fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
         if self.excludes_zero() {
             return None;
         }
@@ -152,7 +152,19 @@ impl Marcher {
         tape: &Tape,
         settings: &Settings,
         jobs: impl Iterator<Item = Job>,
+        finish: impl FnMut(&Job, Outcome),
+    ) {
+        self.run_observed(tape, settings, jobs, finish, |_, _| {});
+    }
+
+    /// The same; `observe` is told of every span that a ray looks at, and what the field is there.
+    pub(crate) fn run_observed(
+        &mut self,
+        tape: &Tape,
+        settings: &Settings,
+        jobs: impl Iterator<Item = Job>,
         mut finish: impl FnMut(&Job, Outcome),
+        mut observe: impl FnMut((f64, f64), &Span),
     ) {
         let mut jobs = jobs.fuse();
         let mut lanes: Vec<Lane> = jobs.by_ref().take(LANES).map(|job| Lane::new(job, settings)).collect();
@@ -160,8 +172,12 @@ impl Marcher {
         let mut values = Vec::with_capacity(LANES);
         while !lanes.is_empty() {
             self.evaluate_spans(tape, settings, &lanes, &mut spans);
-            let wants_span = lanes.iter_mut().filter(|l| l.wanted_span().is_some());
-            wants_span.zip(&spans).for_each(|(lane, span)| lane.take_field(span, settings));
+            for (lane, field) in lanes.iter_mut().filter(|l| l.wanted_span().is_some()).zip(&spans) {
+                if let Some(span) = lane.wanted_span() {
+                    observe(span, field);
+                }
+                lane.take_field(field, settings);
+            }
             self.evaluate_points(tape, &lanes, &mut values);
             let mut given = values.iter().copied();
             lanes.iter_mut().for_each(|lane| lane.take_values(&mut given, settings));

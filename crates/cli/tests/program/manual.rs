@@ -2,7 +2,7 @@
 
 use crate::place::Place;
 
-const COMMANDS: [&str; 6] = ["render", "eval", "check", "convert", "completions", "man"];
+const COMMANDS: [&str; 8] = ["render", "eval", "check", "measure", "plot", "convert", "completions", "man"];
 
 #[test]
 fn the_help_of_every_command_teaches_by_examples() {
