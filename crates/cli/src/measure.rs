@@ -188,8 +188,8 @@ fn rounded(x: f64, scale: f64, up: bool) -> String {
     if x == 0.0 {
         return "0".to_owned();
     }
-    let digits = (2.0 - scale.abs().log10().floor()).clamp(0.0, 15.0);
-    let digits = if digits.is_finite() { digits as usize } else { 6 };
+    let digits = 2.0 - scale.abs().log10().floor();
+    let digits = if digits.is_finite() { digits.clamp(0.0, 15.0) as usize } else { 6 };
     let unit = 10f64.powi(digits as i32);
     let moved = if up { (x * unit).ceil() } else { (x * unit).floor() } / unit;
     if moved.is_finite() && x.abs() < 1e15 { format!("{moved:.digits$}") } else { format!("{x:e}") }

@@ -130,15 +130,15 @@ fn a_quiet_program_shows_no_bar() {
 #[test]
 fn a_second_interrupt_ends_what_does_not_stop() {
     let place = Place::new();
-    // One tile of this takes hours.
-    let step = ["--step=0.000000001"];
-    let arguments: Vec<&str> =
-        SLOW.iter().filter(|a| !a.starts_with("--step")).chain(&step).copied().collect();
-    let (mut child, mut terminal) = start_on_a_terminal(&place, &arguments);
+    // One value of this takes minutes.
+    let endless = "my_model(x[3], a[1]) { r = x[1]; while r*r >= 0 loop r = r + 1; endloop; my_model = r; }";
+    place.file("endless.hf", endless);
+    let fuel = ["render", "endless.hf", "-o", "a.png", "--bounds=-1,-1,-1,1,1,1", "--fuel=4000000000"];
+    let (mut child, mut terminal) = start_on_a_terminal(&place, &fuel);
     wait_until_it_draws(&child);
     press_ctrl_c(&child);
     assert!(read_until(&mut terminal, "again").contains("press Ctrl-C again"));
     press_ctrl_c(&child);
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert_eq!(place.files(), Vec::<String>::new());
+    assert_eq!(place.files(), ["endless.hf"]);
 }

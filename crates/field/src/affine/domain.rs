@@ -152,7 +152,9 @@ impl<R: Real> Domain for Affine<R> {
             + (arithmetic.magnitude() + mean.magnitude()) * self.centre.like(4.0 * R::ULP);
         // The product of two small reciprocals may have underflowed.
         let lost = (self.range.magnitude() + self.slope.magnitude()) * self.centre.like(4.0 * R::TINY);
-        self.fitted(alpha, arithmetic + mean, delta + lost, image)
+        // The image is infinite, and the fit NaN, where 0 is among the values.
+        let poison = (image.hi - image.lo) * self.centre.like(0.0);
+        self.fitted(alpha, arithmetic + mean, delta + lost + poison, image)
     }
     #[inline(always)]
     fn exp(self) -> Self {
