@@ -10,6 +10,7 @@
 mod cases;
 mod unmixed;
 
+use cases::Random;
 use fieldstone_field::{Affine, Bindings, Domain, Field, Input, Interval, reference};
 use fieldstone_lang::Dialect;
 use unmixed::Unmixed;
@@ -150,18 +151,5 @@ impl Ray {
             _ => zero,
         };
         reference::evaluate(field.graph(), &[field.value()], (), input, 1000)[0]
-    }
-}
-
-/// A reproducible stream of numbers (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 }

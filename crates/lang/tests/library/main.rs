@@ -3,25 +3,14 @@
 
 mod cases;
 
-use cases::{Case, cases};
+use cases::{Case, Random, cases};
 use fieldstone_field::{
     Affine, Affines, Engine, F32, F64, Field, Gradients, Interval, Intervals, LANES, Points, Precision,
     Scalar, Tape, TapeOptions, Workspace,
 };
 use fieldstone_lang::Dialect;
 
-/// A reproducible stream of numbers (SplitMix64).
-struct Random(u64);
-
 impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
     /// From −2.5 to 2.5, often a round number, where functions have their kinks and jumps.
     fn coordinate(&mut self) -> f64 {
         let x = 5.0 * self.unit() - 2.5;
