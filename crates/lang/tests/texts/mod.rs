@@ -147,7 +147,16 @@ fn mutated(chance: &mut Chance, text: &str, words: &[&str]) -> String {
             2 => drop(letters.drain(at..at + length)),
             3 if at.is_multiple_of(4) => letters.truncate(at),
             4 => {
-                let digits = ["0", "1", "2", "7", "1e9", "0.5", "-1", "65536"];
+                let digits = [
+                    "0",
+                    "1",
+                    "2",
+                    "7",
+                    "0.5",
+                    "-1",
+                    if chance.below(100) == 0 { "1e9" } else { "12" },
+                    "65536",
+                ];
                 let number = (at..letters.len()).find(|&i| letters[i].is_ascii_digit());
                 if let Some(i) = number {
                     letters.splice(i..=i, chance.pick(&digits).chars());
@@ -202,10 +211,14 @@ fn statement(chance: &mut Chance, text: &mut String, depth: usize) {
             *text += "endif;\n";
         }
         3 => {
-            let end = chance.pick(&["3", "10", "x[1]*3", "a[1]", "t", "1000"]);
-            *text += &format!("i = 0; while i < {end} loop\n");
+            // Long loops, and inner ones that count with the variable of the outer one and never end, take thousands of
+            // times longer than other texts: a few are enough.
+            let is_heavy = chance.below(200) == 0;
+            let end = if is_heavy { "1000" } else { chance.pick(&["3", "10", "x[1]*3", "a[1]", "t"]) };
+            let i = if is_heavy { "i" } else { ["k", "j", "i", "h"][depth] };
+            *text += &format!("{i} = 0; while {i} < {end} loop\n");
             statement(chance, text, depth - 1);
-            *text += "i = i + 1; endloop;\n";
+            *text += &format!("{i} = {i} + 1; endloop;\n");
         }
         _ => {
             *text += &format!("array r{}[{}];\n", chance.below(100), chance.pick(&["2", "t", "2*t + 1", "u"]))
