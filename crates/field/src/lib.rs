@@ -7,6 +7,7 @@
 mod affine;
 mod allocate;
 mod compile;
+mod defined;
 mod domain;
 mod dual;
 mod eval;

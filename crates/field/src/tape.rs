@@ -6,6 +6,7 @@
 
 use crate::allocate::Allocator;
 use crate::compile::compile;
+use crate::defined::outside_where_undefined;
 use crate::field::{Bindings, Field};
 use crate::function::Function;
 use crate::graph::Input;
@@ -75,7 +76,8 @@ pub enum Reading {
     /// The value itself.
     #[default]
     Value,
-    /// Only where it is negative, zero or positive. R-operations may then be replaced by the operand that decides.
+    /// Only where it is negative, zero or positive. R-operations may then be replaced by the operand that decides, and
+    /// where a partial operation is certainly outside of its domain (√a for a < 0), the value is 1: there is no solid.
     Sign,
 }
 
@@ -121,6 +123,8 @@ pub struct Tape {
 impl Tape {
     /// Compiles a field.
     pub fn new(field: &Field, options: &TapeOptions) -> Self {
+        let guarded = (options.reading == Reading::Sign).then(|| outside_where_undefined(field));
+        let field = guarded.as_ref().unwrap_or(field);
         let compiled = compile(field, options);
         let mut tape = Self {
             run: Code::default(),

@@ -116,10 +116,27 @@ pub fn solid_bounds(field: &Field, bindings: &Bindings) -> FoundBounds {
     }
     let extent = match found {
         Finding { any_value: false, .. } => Extent::Undefined,
+        Finding { proved: true, .. } if has_no_value(field, bindings) => Extent::Undefined,
         Finding { proved: true, .. } => Extent::Empty,
         _ => Extent::NotFound,
     };
     nothing(extent, found.proved)
+}
+
+/// Whether a field that is nowhere negative is undefined at all of some points near and far.
+fn has_no_value(field: &Field, bindings: &Bindings) -> bool {
+    let tape = Tape::new(field, &TapeOptions { bindings: bindings.clone(), ..TapeOptions::default() });
+    let mut points = Workspace::<F64, Points>::new();
+    for axis in 0..3 {
+        for (lane, x) in points.input(axis, 0).iter_mut().enumerate() {
+            let side = if lane >> axis & 1 == 1 { 1.0 } else { -1.0 };
+            // From 0.1 to 500, on no plane or diagonal.
+            *x =
+                side * (0.1 + 0.013 * axis as f64) * 3.0f64.powi(lane as i32 / 8) * (1.0 + 0.1 * axis as f64);
+        }
+    }
+    points.run(&tape, LANES);
+    points.output(0, 0).iter().all(|value| value.is_nan())
 }
 
 fn nothing(extent: Extent, proved: bool) -> FoundBounds {

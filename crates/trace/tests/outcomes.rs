@@ -121,7 +121,7 @@ fn jumps_and_poles_end_solids() {
 }
 
 #[test]
-fn undefined_is_outside_and_undecided() {
+fn undefined_is_outside_and_certified_where_that_is_certain() {
     // √x − 2 is undefined for x < 0 and negative up to 4.
     let root = field(|g, [x, ..]| {
         let (r, two) = (g.sqrt(x), g.constant(2.0));
@@ -129,6 +129,24 @@ fn undefined_is_outside_and_undecided() {
     });
     for settings in methods() {
         let outcome = first_hit(&root, along_x(0.0), &settings);
+        let hit = outcome.hit.expect("the solid begins at 0");
+        assert!(hit.entering && (hit.t - 3.0).abs() < 1e-4, "{hit:?}");
+        assert_ne!(outcome.certificate, Certificate::Undecided);
+        assert!(outcome.cost < 200, "{outcome:?}");
+    }
+}
+
+#[test]
+fn undefined_is_outside_and_undecided_where_nothing_is_certain() {
+    // 0/0 for x < 0, and otherwise x/x·(x − 4): no domain says that there is no value.
+    let quotient = field(|g, [x, ..]| {
+        let (zero, four) = (g.constant(0.0), g.constant(4.0));
+        let positive = g.max(x, zero);
+        let (one, less) = (g.div(positive, positive), g.sub(x, four));
+        g.mul(one, less)
+    });
+    for settings in methods() {
+        let outcome = first_hit(&quotient, along_x(0.0), &settings);
         let hit = outcome.hit.expect("the solid begins at 0");
         assert!(hit.entering && (hit.t - 3.0).abs() < 1e-4, "{hit:?}");
         assert_eq!(outcome.certificate, Certificate::Undecided);
@@ -149,10 +167,10 @@ fn flat_and_undefined_fields_are_empty_and_end() {
         let negative = g.sub(minus, square);
         g.sqrt(negative)
     });
-    for f in [flat, nothing] {
+    for (f, certificate) in [(flat, Certificate::Undecided), (nothing, Certificate::Certified)] {
         for settings in &methods()[..2] {
             let outcome = first_hit(&f, along_x(0.2), settings);
-            assert!(outcome.hit.is_none() && outcome.certificate == Certificate::Undecided, "{outcome:?}");
+            assert!(outcome.hit.is_none() && outcome.certificate == certificate, "{outcome:?}");
             assert!(outcome.cost < 20_000, "{outcome:?}");
         }
     }

@@ -212,7 +212,7 @@ fn without_a_value() {
     let below = maker.graph.neg(above);
     let undefined = maker.graph.sqrt(below);
     let found = bounds(&maker.field(undefined));
-    assert_eq!((found.extent, found.proved), (Extent::Undefined, false));
+    assert_eq!((found.extent, found.proved), (Extent::Undefined, true));
 }
 
 #[test]
