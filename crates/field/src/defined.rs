@@ -3,7 +3,9 @@
 //! NaN means *anything, or nothing* to domains of sets, so that no set of values ever proves that there is nothing. But
 //! where a square root, a logarithm or another partial operation has its operand outside of its domain, there is nothing for
 //! certain, and an undefined value is outside of the solid. That is a condition like any other: a node that is 0
-//! there. With it a field is made that is positive where it is certainly undefined, and otherwise the same.
+//! there. With it a field is made that is positive where it is certainly undefined, and otherwise the same. Its
+//! partial operations have their operands clamped to their domains, which changes nothing where the condition holds,
+//! so that boxes across the edge of a domain have bounds too.
 
 use crate::field::Field;
 use crate::graph::{Graph, Node, NodeId};
@@ -13,94 +15,144 @@ use rustc_hash::FxHashMap;
 /// The field whose sign is that of `field`, and which is 1 where a partial operation that the value cannot do without has
 /// its operand outside of its domain.
 pub(crate) fn outside_where_undefined(field: &Field) -> Field {
-    let mut definition = Definition { graph: Graph::clone(field.graph()), conditions: FxHashMap::default() };
-    match definition.of(field.value()) {
-        None => field.clone(),
-        Some(condition) => {
-            let mut graph = definition.graph;
-            let outside = graph.constant(1.0);
-            let value = graph.select(condition, field.value(), outside);
-            Field::new(graph, value, field.attributes().to_vec()).with_fuel(field.fuel())
-        }
-    }
+    let mut definition = Definition { graph: Graph::clone(field.graph()), parts: FxHashMap::default() };
+    let Part { value, condition: Some(condition) } = definition.of(field.value()) else {
+        return field.clone();
+    };
+    let mut graph = definition.graph;
+    let outside = graph.constant(1.0);
+    let value = graph.select(condition, value, outside);
+    Field::new(graph, value, field.attributes().to_vec()).with_fuel(field.fuel())
 }
+
+/// What a node becomes.
+#[derive(Clone, Copy)]
+struct Part {
+    /// The node with clamped operands: the same wherever the condition holds.
+    value: NodeId,
+    /// A node that is 0 where the node is certainly undefined and 1 elsewhere; `None`: nothing is known.
+    condition: Option<NodeId>,
+}
+
+/// How deep the form of an operand is looked at.
+const DEPTH: usize = 12;
 
 struct Definition {
     graph: Graph,
-    /// For each node that was seen, a node that is 0 where it is certainly undefined and 1 elsewhere, itself defined
-    /// everywhere but where loops and calls are not; `None`: nothing is known.
-    conditions: FxHashMap<NodeId, Option<NodeId>>,
+    /// The nodes that were seen.
+    parts: FxHashMap<NodeId, Part>,
 }
 
 impl Definition {
-    fn of(&mut self, root: NodeId) -> Option<NodeId> {
+    fn of(&mut self, root: NodeId) -> Part {
         let mut stack = vec![root];
         while let Some(&node) = stack.last() {
-            if self.conditions.contains_key(&node) {
+            if self.parts.contains_key(&node) {
                 stack.pop();
                 continue;
             }
             // A loop hides what happens inside.
             let operands = self.graph.node(node).operands();
             let waiting = stack.len();
-            stack.extend(operands.iter().filter(|operand| !self.conditions.contains_key(operand)));
+            stack.extend(operands.iter().filter(|operand| !self.parts.contains_key(operand)));
             if stack.len() == waiting {
-                let condition = self.compute(node, &operands);
-                self.conditions.insert(node, condition);
+                let part = self.compute(node, &operands);
+                self.parts.insert(node, part);
                 stack.pop();
             }
         }
         self.known(root)
     }
 
-    fn known(&self, node: NodeId) -> Option<NodeId> {
-        self.conditions.get(&node).copied().flatten()
+    fn known(&self, node: NodeId) -> Part {
+        self.parts.get(&node).copied().unwrap_or(Part { value: node, condition: None })
     }
 
-    fn compute(&mut self, node: NodeId, operands: &[NodeId]) -> Option<NodeId> {
-        match self.graph.node(node).clone() {
-            Node::Constant(bits) => f64::from_bits(bits).is_nan().then(|| self.graph.constant(0.0)),
-            Node::Select(condition, yes, no) => {
-                let sides = (self.known(yes), self.known(no));
-                let chosen = match sides {
-                    (None, None) => None,
-                    (yes, no) => {
-                        let one = self.graph.constant(1.0);
-                        Some(self.graph.select(condition, yes.unwrap_or(one), no.unwrap_or(one)))
-                    }
-                };
-                let condition = self.known(condition);
-                self.both(condition, chosen)
+    fn compute(&mut self, node: NodeId, operands: &[NodeId]) -> Part {
+        let kind = self.graph.node(node).clone();
+        if let Node::Select(condition, yes, no) = kind {
+            return self.select([condition, yes, no].map(|operand| self.known(operand)));
+        }
+        if let Node::Constant(bits) = kind {
+            if !f64::from_bits(bits).is_nan() {
+                return Part { value: node, condition: None };
             }
-            other => {
-                let operands = operands.iter().fold(None, |all, operand| {
-                    let condition = self.known(*operand);
-                    self.both(all, condition)
-                });
-                let own = self.domain(&other);
-                self.both(operands, own)
+            let (value, never) = (self.graph.constant(1.0), self.graph.constant(0.0));
+            return Part { value, condition: Some(never) };
+        }
+        let known: Vec<Part> = operands.iter().map(|operand| self.known(*operand)).collect();
+        let all = known.iter().fold(None, |all, part| self.both(all, part.condition));
+        let values: Vec<NodeId> = known.iter().map(|part| part.value).collect();
+        let (value, own) = self.clamped(node, &kind, &values);
+        Part { value, condition: self.both(all, own) }
+    }
+
+    fn select(&mut self, [condition, yes, no]: [Part; 3]) -> Part {
+        let chosen = match (yes.condition, no.condition) {
+            (None, None) => None,
+            (yes, no) => {
+                let one = self.graph.constant(1.0);
+                Some(self.graph.select(condition.value, yes.unwrap_or(one), no.unwrap_or(one)))
             }
+        };
+        let value = self.graph.select(condition.value, yes.value, no.value);
+        Part { value, condition: self.both(condition.condition, chosen) }
+    }
+
+    /// An operation on other operands, those of a partial one clamped to its domain, and the condition that they lie there.
+    fn clamped(&mut self, node: NodeId, kind: &Node, values: &[NodeId]) -> (NodeId, Option<NodeId>) {
+        let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
+        match (kind, values) {
+            (Node::Unary(op @ (Unary::Sqrt | Unary::Ln), _), &[a]) if !self.is_never_negative(a, DEPTH) => {
+                let (inside, clamped) = (self.graph.le(zero, a), self.graph.max(a, zero));
+                (self.graph.unary(*op, clamped), Some(inside))
+            }
+            (Node::Unary(op @ (Unary::Asin | Unary::Acos | Unary::Atanh), _), &[a]) => {
+                let (size, least) = (self.graph.abs(a), self.graph.constant(-1.0));
+                let inside = self.graph.le(size, one);
+                let raised = self.graph.max(a, least);
+                let clamped = self.graph.min(raised, one);
+                (self.graph.unary(*op, clamped), Some(inside))
+            }
+            (Node::Binary(Binary::Pow, ..), &[base, exponent])
+                if self.is_fraction(exponent) && !self.is_never_negative(base, DEPTH) =>
+            {
+                let (inside, clamped) = (self.graph.le(zero, base), self.graph.max(base, zero));
+                (self.graph.pow(clamped, exponent), Some(inside))
+            }
+            (Node::Unary(op, _), &[a]) => (self.graph.unary(*op, a), None),
+            (Node::Binary(op, ..), &[a, b]) => (self.graph.binary(*op, a, b), None),
+            (Node::Powi(_, n), &[a]) => (self.graph.powi(a, *n), None),
+            (Node::Call(function, _), values) => {
+                let function = self.graph.functions[*function as usize].clone();
+                (self.graph.call(&function, values), None)
+            }
+            _ => (node, None),
         }
     }
 
-    /// 1 where the operand of a partial operation lies in its domain; `None` for all others.
-    fn domain(&mut self, node: &Node) -> Option<NodeId> {
-        let zero = self.graph.constant(0.0);
-        match *node {
-            Node::Unary(Unary::Sqrt | Unary::Ln, a) => Some(self.graph.le(zero, a)),
-            Node::Unary(Unary::Asin | Unary::Acos | Unary::Atanh, a) => {
-                let (size, one) = (self.graph.abs(a), self.graph.constant(1.0));
-                Some(self.graph.le(size, one))
-            }
-            Node::Binary(Binary::Pow, base, exponent) => {
-                let exponent = self.graph.constant_value(exponent)?;
-                (exponent.is_finite() && exponent.fract() != 0.0).then(|| self.graph.le(zero, base))
-            }
-            _ => None,
+    /// Whether the form of a node shows that it is never negative: a sum of squares, say.
+    fn is_never_negative(&self, node: NodeId, depth: usize) -> bool {
+        let Some(depth) = depth.checked_sub(1) else { return false };
+        let holds = |n: NodeId| self.is_never_negative(n, depth);
+        match *self.graph.node(node) {
+            Node::Constant(bits) => f64::from_bits(bits) >= 0.0,
+            Node::Unary(
+                Unary::Square | Unary::Abs | Unary::Sqrt | Unary::Exp | Unary::Cosh | Unary::Acos,
+                _,
+            ) => true,
+            Node::Powi(a, n) => n % 2 == 0 || holds(a),
+            Node::Binary(Binary::Add | Binary::Mul | Binary::Div | Binary::Min, a, b) => holds(a) && holds(b),
+            Node::Binary(Binary::Max, a, b) => holds(a) || holds(b),
+            _ => false,
         }
     }
 
-    /// 0 where the first is, and otherwise the second, which need not be defined where the first is 0.
+    fn is_fraction(&self, exponent: NodeId) -> bool {
+        self.graph.constant_value(exponent).is_some_and(|e| e.is_finite() && e.fract() != 0.0)
+    }
+
+    /// 0 where the first is, and otherwise the second, which means nothing where the first is 0.
     fn both(&mut self, first: Option<NodeId>, second: Option<NodeId>) -> Option<NodeId> {
         match (first, second) {
             (Some(first), Some(second)) => {
@@ -170,17 +222,24 @@ mod tests {
             assert_eq!(over(boxes), Interval::new(1.0, 1.0), "{boxes:?}");
         }
         assert!(over([all, all, all]).lo > 0.4);
-        for boxes in [[(-1.0, 2.0), all, all], [all, (-1.0, 1.0), all], [all, all, (4.0, 6.0)]] {
-            assert!(over(boxes).lo.is_nan(), "{boxes:?}");
+        // Across the edges of domains there are bounds of both sides.
+        for boxes in [[(-1.0, 2.0), all, all], [all, all, (4.0, 6.0)]] {
+            let range = over(boxes);
+            assert!(range.lo > 0.3 && range.contains(1.0), "{boxes:?}: {range:?}");
         }
+        let logarithm = over([all, (-1.0, 1.0), all]);
+        assert!(logarithm.lo == f64::NEG_INFINITY && logarithm.hi == 1.0, "{logarithm:?}");
     }
 
     #[test]
     fn total_fields_are_left_alone() {
         let mut g = Graph::new();
-        let x = g.input(Input::Coordinate(0));
-        let square = g.square(x);
-        let nodes = g.len();
-        assert_eq!(outside_where_undefined(&Field::new(g, square, Vec::new())).graph().len(), nodes);
+        let [x, y] = [0, 1].map(|i| g.input(Input::Coordinate(i)));
+        let (p, q) = (g.square(x), g.square(y));
+        let sum = g.add(p, q);
+        let distance = g.sqrt(sum);
+        let field = Field::new(g, distance, Vec::new());
+        let guarded = outside_where_undefined(&field);
+        assert!(std::sync::Arc::ptr_eq(guarded.graph(), field.graph()));
     }
 }
