@@ -5,7 +5,7 @@ mod json;
 use crate::arguments::CheckArguments;
 use crate::failure::Failure;
 use fieldstone::{
-    Bindings, Extent, FileSign, FoundBounds, Input, Loaded, Object, UpAxis, Warning, solid_bounds,
+    Bindings, Extent, FileSign, FoundBounds, Input, Loaded, Model, Object, UpAxis, Warning, solid_bounds,
 };
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -64,18 +64,25 @@ fn report(loaded: &Loaded, bindings: &Bindings, found: &FoundBounds) -> String {
         lines.push(("coordinate", format!("{} = {value}", index + 1)));
     }
     lines.push(("operations", model.field.operation_count().to_string()));
-    lines.push(("bounds", bounds(found)));
+    if !model.presentation.surface {
+        lines.push(("bounds", bounds(found)));
+    }
     let mut report = String::new();
     for (name, text) in lines {
         // Writing to a string cannot fail.
         let _ = writeln!(report, "{name:<11}{text}");
     }
     let warnings = loaded.rendered_warnings();
-    let of_bounds = Warning::of_bounds(found).map(|warning| format!("warning: {warning}"));
+    let of_bounds = warning_of_bounds(model, found).map(|warning| format!("warning: {warning}"));
     for warning in warnings.chain(of_bounds) {
         let _ = writeln!(report, "\n{warning}");
     }
     report
+}
+
+/// What is strange about where the solid is; a surface is no solid.
+fn warning_of_bounds(model: &Model, found: &FoundBounds) -> Option<Warning> {
+    Warning::of_bounds(found).filter(|_| !model.presentation.surface)
 }
 
 fn object(object: &Object) -> String {

@@ -149,7 +149,7 @@ mod tests {
     }
 
     fn commands() -> impl Iterator<Item = &'static str> {
-        let texts = [PROGRAM, RENDER, EVAL, CHECK, COMPLETIONS, MAN];
+        let texts = [PROGRAM, RENDER, EVAL, CHECK, MEASURE, PLOT, CONVERT, COMPLETIONS, MAN];
         let lines = texts.into_iter().flat_map(str::lines).map(str::trim);
         lines.filter_map(|line| match line.split_once("| ") {
             Some((_, piped)) => Some(piped),
@@ -166,12 +166,14 @@ mod tests {
             }
             count += 1;
         }
-        assert!(count > 15, "only {count} examples found");
+        assert!(count > 25, "only {count} examples found");
     }
 
-    /// The commands of a document: lines of code that begin with the program, and those between backquotes.
+    /// The commands of a document: lines of code that begin with the program, perhaps behind a pipe, and those between
+    /// backquotes.
     fn commands_of(text: &str) -> Vec<&str> {
         let indented = text.lines().filter_map(|line| line.strip_prefix("    "));
+        let indented = indented.map(|line| line.split_once("' | ").map_or(line, |(_, piped)| piped));
         let quoted = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
         let commands = indented.chain(quoted).filter(|command| command.starts_with("fieldstone "));
         let commands = commands.map(|command| command.split(" #").next().unwrap_or(command));
@@ -183,7 +185,14 @@ mod tests {
     fn every_command_in_the_documents_is_one() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut count = 0;
-        for document in ["README.md", "gallery/README.md", "docs/hyperfun.md", "docs/hyperfun/tutorial.md"] {
+        let documents = [
+            "README.md",
+            "gallery/README.md",
+            "docs/commands.md",
+            "docs/hyperfun.md",
+            "docs/hyperfun/tutorial.md",
+        ];
+        for document in documents {
             let text = std::fs::read_to_string(root.join(document)).unwrap();
             for command in commands_of(&text) {
                 count += 1;
@@ -194,7 +203,7 @@ mod tests {
                 }
             }
         }
-        assert!(count > 30, "only {count} commands found");
+        assert!(count > 50, "only {count} commands found");
     }
 
     #[test]

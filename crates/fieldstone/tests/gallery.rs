@@ -1,13 +1,16 @@
 //! The models of the gallery can be read, and are solid where they should be and nowhere else.
 
 use fieldstone_field::Bindings;
-use fieldstone_lang::{Model, Source, parse_formula, parse_hyperfun, parse_vm};
+use fieldstone_lang::{Model, Source, parse_formula, parse_hyperfun, parse_jsurf, parse_vm};
 use std::path::{Path, PathBuf};
 
-/// Each model, a point inside and a point outside: in a hole or a notch, where it has one.
-const MODELS: [(&str, [f64; 3], [f64; 3]); 22] = [
+/// Each model, a point inside and a point outside: in a hole or a notch, where it has one. Of a surface, points on either
+/// side.
+const MODELS: [(&str, [f64; 3], [f64; 3]); 24] = [
     ("colours.hf", [0.0, 0.0, 0.0], [2.0, 1.7, 0.0]),
     ("fractal.hf", [0.0, 0.0, 0.0], [1.2, 1.2, 1.2]),
+    ("jsurf/barth.jsurf", [0.0, 0.0, 0.0], [0.9, 0.0, 0.3]),
+    ("jsurf/cayley.jsurf", [0.9, 0.0, 0.0], [1.1, 0.0, 0.0]),
     ("jug.hf", [4.6, 0.4, 0.0], [0.0, 0.0, 0.0]),
     ("noise.hf", [4.5, 0.0, 0.0], [0.0, 0.0, 2.5]),
     ("skeleton.hf", [0.0, 0.0, 1.0], [0.0, 1.5, 0.0]),
@@ -40,6 +43,7 @@ fn read(name: &str) -> Model {
     let model = match name.rsplit_once('.') {
         Some((_, "hf")) => parse_hyperfun(&source, &Default::default()),
         Some((_, "vm")) => parse_vm(&source),
+        Some((_, "jsurf")) => parse_jsurf(&source),
         _ => parse_formula(&source),
     };
     model.map_err(|errors| errors.to_string()).expect("the model can be read")
@@ -61,10 +65,11 @@ fn every_model_is_solid_inside_and_not_outside() {
 #[test]
 fn no_model_is_left_out() {
     let mut found = Vec::new();
-    for (folder, prefix) in [(folder(), ""), (folder().join("table1"), "table1/")] {
+    for prefix in ["", "table1/", "jsurf/"] {
+        let folder = folder().join(prefix);
         for entry in std::fs::read_dir(folder).expect("the gallery is a folder") {
             let name = entry.expect("its entries can be read").file_name().to_string_lossy().into_owned();
-            if [".hf", ".vm", ".txt"].iter().any(|end| name.ends_with(end)) {
+            if [".hf", ".vm", ".txt", ".jsurf"].iter().any(|end| name.ends_with(end)) {
                 found.push(format!("{prefix}{name}"));
             }
         }

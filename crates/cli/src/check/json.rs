@@ -7,6 +7,8 @@ use fieldstone::{
 };
 use serde::Serialize;
 
+use super::warning_of_bounds;
+
 /// The version of the schema.
 const SCHEMA: u32 = 1;
 
@@ -83,7 +85,7 @@ impl Report {
     pub(super) fn new(loaded: &Loaded, bindings: &Bindings, inputs: &Inputs, found: &FoundBounds) -> Self {
         let model = &loaded.model;
         let of_text = model.warnings.iter().map(|warning| Message::new(warning, &loaded.source));
-        let of_bounds = Warning::of_bounds(found).map(|warning| Message::without_place(&warning));
+        let of_bounds = warning_of_bounds(model, found).map(|warning| Message::without_place(&warning));
         Self {
             schema: SCHEMA,
             source: loaded.source.name.clone(),

@@ -57,6 +57,19 @@ fn a_model_in_full() {
 }
 
 #[test]
+fn a_surface_is_shown_in_its_ball_without_a_word_of_solids() {
+    let place = Place::new();
+    place.file("plane.jsurf", "surface_equation=x\nscale_factor=1\n");
+    let run = place.run(&["check", "plane.jsurf"], "");
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    assert!(run.out.contains("the ball of radius 10 around 0,0,0"), "{}", run.out);
+    assert!(!run.out.contains("bounds") && !run.out.contains("warning"), "{}", run.out);
+    assert_eq!(json(&place, &["check", "plane.jsurf", "--json"], 0)["warnings"], serde_json::json!([]));
+    place.file("plane.txt", "x");
+    assert!(place.run(&["check", "plane.txt"], "").out.contains("warning: the solid has no end"));
+}
+
+#[test]
 fn warnings_about_the_bounds_have_no_place() {
     let place = Place::new();
     let found = json(&place, &["check", "-e", "x", "--json"], 0);

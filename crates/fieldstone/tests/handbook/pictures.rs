@@ -78,3 +78,18 @@ fn every_example_shows_its_picture() {
         assert!(text.contains(&image), "{}: {image} is not on the page", example.place);
     }
 }
+
+#[test]
+fn the_pictures_of_commands_are_small_and_have_a_command() {
+    let page = std::fs::read_to_string(folder().join("commands.md")).unwrap();
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder().join("images/commands")).unwrap() {
+        let entry = entry.unwrap();
+        let name = entry.file_name().into_string().unwrap();
+        assert!(entry.metadata().unwrap().len() <= MOST_BYTES, "{name} is large");
+        assert!(page.contains(&format!("(images/commands/{name})")), "{name} is not on the page");
+        assert!(page.contains(&format!(" -o {name}\n")), "no command draws {name}");
+        count += 1;
+    }
+    assert!(count > 8, "only {count} pictures found");
+}

@@ -17,26 +17,29 @@ use unmixed::Unmixed;
 
 /// Spans are these parts of the side of the box.
 const PARTS: [f64; 6] = [4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
+/// As [`HEAD`] says.
 const RAYS: usize = 100;
 const SIDE: f64 = 4.0;
 
+/// What stands above the table.
+const HEAD: &str = "\
+# Tightness of the library's bounds
+
+How many times wider than the values are the bounds of each function of the HyperFun library? 1 is the best: the bounds are
+the least and the greatest value. Rays are traced with *mixed* forms, which carry an affine form (a line along the ray with an
+error) and an interval together; *interval* and *affine* are what each would say alone.
+
+The numbers are geometric means over spans of 1/4 … 1/128 of the side of [−2, 2]³, 100 random rays for each length; *at 1/128*:
+over the shortest spans alone, which show what is left when a ray has come near the surface. *None*: spans left without a
+finite bound by mixed forms. A dash: the value changed on no span. Functions that jump, such as hfA_CheckerBoard and
+hfA_Circles, have wide bounds at any length, because a bound knows of both sides of the jump.
+
+The calls are those of `crates/lang/tests/library/cases.txt`; space operations move a block or a ball, attribute functions are
+read through a sum of what they write. Made by `cargo run --release -p fieldstone-lang --example tightness`.
+";
+
 fn main() -> Result<(), String> {
-    println!("# Tightness of the library's bounds\n");
-    println!("How many times wider than the values are the bounds of each function of the HyperFun library?");
-    println!(
-        "Geometric means over spans of 1/4 … 1/128 of the side of [−2, 2]³, {RAYS} random rays for each length;"
-    );
-    println!(
-        "*at 1/128*: the shortest spans alone. *Affine* forms alone keep nothing but their line; *mixed* ones carry"
-    );
-    println!(
-        "an interval too and are what rays are traced with. *None*: spans left without a finite bound by mixed forms."
-    );
-    println!(
-        "The calls are those of `crates/lang/tests/library/cases.txt`; space operations move a block or a ball,"
-    );
-    println!("attribute functions are read through a sum of what they write. Made by");
-    println!("`cargo run --release -p fieldstone-lang --example tightness`.\n");
+    println!("{HEAD}");
     println!("| function | interval | affine | mixed | interval at 1/128 | mixed at 1/128 | none |");
     println!("|---|---|---|---|---|---|---|");
     for case in cases::cases() {
