@@ -89,7 +89,8 @@ impl Tracer {
     pub fn first_hits(&mut self, tape: &Tape, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
         let mut outcomes = vec![Outcome::nothing(); rays.len()];
         if let Method::Sampled { step } = settings.method {
-            let jobs = rays.iter().enumerate().map(|(place, &ray)| Job { ray, place, inside: None });
+            let jobs =
+                rays.iter().enumerate().map(|(place, &ray)| Job { ray, place, spent: 0, inside: None });
             let finish = |job: &Job, outcome| outcomes[job.place] = outcome;
             sampled::run(&mut self.points, tape, (settings, step), jobs, finish);
             return outcomes;
@@ -195,9 +196,11 @@ impl Tracer {
         (a, b): (f64, f64),
     ) -> Vec<UnderWay> {
         let Bundle { rays, settings, outcomes } = bundle;
+        let spent: Vec<u32> = under_way.iter().map(|&(ray, _)| outcomes[ray].cost).collect();
         let jobs = under_way.iter().enumerate().map(|(place, &(ray, inside))| Job {
             ray: rays[ray].between(a, b),
             place,
+            spent: spent[place],
             inside,
         });
         let mut next = under_way.to_vec();

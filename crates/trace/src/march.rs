@@ -26,7 +26,7 @@ const FLOOR: f64 = 1.0 / (1u64 << 36) as f64;
 /// The same where the field may be undefined, so that no inclusion can ever prove anything.
 const UNDEFINED_FLOOR: f64 = 1.0 / 1024.0;
 /// The same where loops do not end.
-const ENDLESS_FLOOR: f64 = 1.0 / 64.0;
+const ENDLESS_FLOOR: f64 = 1.0 / 128.0;
 /// After so many evaluations of one ray the floor rises by a factor of 4 every [`COARSER_EVERY`].
 const FUEL: u32 = 1024;
 const COARSER_EVERY: u32 = 64;
@@ -40,6 +40,8 @@ pub(crate) struct Job {
     pub(crate) ray: Ray,
     /// Where the outcome goes.
     pub(crate) place: usize,
+    /// What the ray has cost so far.
+    pub(crate) spent: u32,
     /// Whether the field is negative where the ray starts, if that is known.
     pub(crate) inside: Option<bool>,
 }
@@ -74,6 +76,10 @@ impl Span {
     pub(crate) fn clip(&self, a: f64, b: f64) -> Option<(f64, f64)> {
         if self.excludes_zero() {
             return None;
+        }
+        // A range that is open to one side has its middle at infinity, and quotients of infinities exclude nothing.
+        if !(self.centre.is_finite() && self.error.is_finite() && self.slope.is_finite()) {
+            return Some((a, b));
         }
         let (p, q) = ((-self.centre - self.error) / self.slope, (-self.centre + self.error) / self.slope);
         let (p, q) = if p < q { (p, q) } else { (q, p) };
@@ -135,6 +141,8 @@ struct Lane {
     cost: u32,
     /// In how many spans loops did not end.
     endless: u32,
+    /// Whether they did not in the last one.
+    last_endless: bool,
 }
 
 /// Marches rays; keeps its memory between calls.
@@ -314,6 +322,7 @@ impl Lane {
             searched: Searched::NOTHING,
             cost: 0,
             endless: 0,
+            last_endless: false,
         }
     }
 
@@ -396,8 +405,10 @@ impl Lane {
             Method::Affine => FLOOR,
             _ => FLOOR.max(settings.tolerance / 16.0),
         };
-        let coarser = 4f64.powi((self.cost.saturating_sub(FUEL) / COARSER_EVERY).min(64) as i32);
-        base * coarser * settings.size
+        let cost = self.cost.saturating_add(self.job.spent);
+        let coarser = 4f64.powi((cost.saturating_sub(FUEL) / COARSER_EVERY).min(64) as i32);
+        // Far from its origin a ray cannot tell places closer than this from each other.
+        (base * coarser * settings.size).max(8.0 * f64::EPSILON * self.front.abs())
     }
 
     fn take_field(&mut self, field: &Span, settings: &Settings) {
@@ -416,6 +427,7 @@ impl Lane {
     fn take_span(&mut self, span: &Span, settings: &Settings) {
         self.cost += 1;
         self.endless += u32::from(span.endless);
+        self.last_endless = span.endless;
         let (start, stop) = self.span();
         if stop <= start {
             return self.advance(stop.max(self.front), settings.size);
@@ -507,7 +519,8 @@ impl Lane {
     }
 
     fn compare_ends(&mut self, near: (f64, f64), far: (f64, f64), settings: &Settings) {
-        let undefined = near.1.is_nan() || far.1.is_nan();
+        // Finer spans would cost as many turns each, and tell as little.
+        let undefined = near.1.is_nan() || far.1.is_nan() || self.last_endless;
         let (fa, fb) = (self.defined(near.1), self.defined(far.1));
         let (start, stop) = self.span();
         if self.is_across(fb, settings) && !self.is_across(fa, settings) {
@@ -543,7 +556,7 @@ impl Lane {
 
     /// Goes on behind the part \[a, b\] of the shortest span, which could not be excluded.
     fn pass_over(&mut self, (a, b): (f64, f64), settings: &Settings) {
-        let fuel_spent = self.cost > FUEL;
+        let fuel_spent = self.cost.saturating_add(self.job.spent) > FUEL;
         self.doubt(if fuel_spent { Certificate::Undecided } else { Certificate::Tolerance });
         self.pass(b, (4.0 * (b - a)).max(self.floor(settings)));
     }
@@ -552,7 +565,7 @@ impl Lane {
     fn pass(&mut self, end: f64, length: f64) {
         // A clipped span ends before its cell does.
         let to = if matches!(self.walk, Walk::Dyadic { .. }) { self.span().1 } else { end };
-        self.advance(to, length);
+        self.advance(to.max(self.front + 4.0 * f64::EPSILON * self.front.abs()), length);
     }
 
     fn continue_solve(&mut self, solver: Solver, settings: &Settings) {

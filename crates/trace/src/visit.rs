@@ -22,7 +22,7 @@ pub struct Visit {
 pub fn visited_spans(tape: &Tape, ray: Ray, settings: &Settings) -> (Outcome, Vec<Visit>) {
     let (mut outcome, mut visits) = (Outcome::nothing(), Vec::new());
     if !matches!(settings.method, Method::Sampled { .. }) {
-        let job = Job { ray, place: 0, inside: None };
+        let job = Job { ray, place: 0, spent: 0, inside: None };
         let finish = |_: &Job, found| outcome = found;
         Marcher::default().run_observed(tape, settings, [job].into_iter(), finish, |(start, end), span| {
             // A bracket's near end may pass a span before anybody looks at it.

@@ -265,3 +265,37 @@ fn loops_that_do_not_end_cost_a_ray_little() {
         assert!(outcome.cost < 300, "{} evaluations, {settings:?}", outcome.cost);
     }
 }
+
+/// Where 1/x is, the range of max(x, 1/x) is open to one side.
+#[test]
+fn ranges_open_to_one_side_exclude_nothing() {
+    let peak = field(|g, [x, ..]| {
+        let (reciprocal, limit) = (g.recip(x), g.constant(1.5));
+        let larger = g.max(x, reciprocal);
+        g.sub(larger, limit)
+    });
+    for settings in methods() {
+        // From −3 on, 1/x is below 1.5 all the way to 0: the ray starts inside and leaves at the pole.
+        let outcome = first_hit(&peak, along_x(0.0), &settings);
+        let hit = outcome.hit.expect("the solid ends at the pole");
+        assert!(outcome.starts_inside && !hit.entering && (hit.t - 3.0).abs() < 1e-4, "{outcome:?}");
+        // Beyond the pole it begins again at 2/3.
+        let behind = Ray { start: 3.01, ..along_x(0.0) };
+        let hit = first_hit(&peak, behind, &settings).hit.expect("the solid begins again");
+        assert!(hit.entering && (hit.t - 3.0 - 2.0 / 3.0).abs() < 1e-4, "{hit:?}");
+        // Seen from the other side, in one span across everything.
+        let across = Ray { origin: [2.0, 0.0, 0.0], direction: [-1.0, 0.0, 0.0], start: 0.0, end: 6.0 };
+        let hit = first_hit(&peak, across, &settings).hit.expect("from 1.5 on it is solid");
+        assert!(hit.entering && (hit.t - 0.5).abs() < 1e-4, "{hit:?}");
+    }
+}
+
+#[test]
+fn rays_from_very_far_end() {
+    for settings in methods() {
+        let far =
+            Ray { origin: [-1e13, 0.1, 0.0], direction: [1.0, 0.0, 0.0], start: 1e13 - 3.0, end: 1e13 + 3.0 };
+        let outcome = first_hit(&ball(), far, &settings);
+        assert!(outcome.cost < 20_000, "{outcome:?}");
+    }
+}
