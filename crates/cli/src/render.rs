@@ -29,6 +29,10 @@ pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Fai
     for path in std::iter::once(&arguments.output).chain(&arguments.stats) {
         check_writable(path)?;
     }
+    if arguments.stats.as_ref() == Some(&arguments.output) {
+        let message = format!("{}: the picture and --stats cannot be one file", arguments.output.display());
+        return Err(Failure::Usage(message));
+    }
     let request = request(arguments)?;
     let loaded = arguments.model.load()?;
     if slice::is_meant(arguments, &loaded)? {

@@ -13,7 +13,8 @@ fn render(place: &Place, formula: &str, options: &[&str]) -> Run {
 /// Options, the exit code, and what the message must hold.
 type Case = (&'static [&'static str], i32, &'static str);
 
-const REFUSED: [Case; 33] = [
+const REFUSED: [Case; 34] = [
+    (&["-o", "b.png", "--stats", "b.png"], 2, "cannot be one file"),
     (&["-o", "b.png", "--eye", "1e20,0,0"], 2, "(1e20, 0, 0): from more than 10^12 times"),
     (&["-o", "b.png", "--eye", "1e308,0,0"], 2, "1e308"),
     (&["-o", "b.png", "--eye", "1e308,0,0", "--target", "-1e308,0,0"], 2, "1e308"),
