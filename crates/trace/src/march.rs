@@ -25,6 +25,8 @@ const ACCEPT: f64 = 1.0 / 256.0;
 const FLOOR: f64 = 1.0 / (1u64 << 36) as f64;
 /// The same where the field may be undefined, so that no inclusion can ever prove anything.
 const UNDEFINED_FLOOR: f64 = 1.0 / 1024.0;
+/// Loops that took so many turns, over a span where the field may be undefined, are treated like those that do not end.
+const MANY_TURNS: f64 = 32.0;
 /// The same where loops do not end.
 const ENDLESS_FLOOR: f64 = 1.0 / 128.0;
 /// After so many evaluations of one ray the floor rises by a factor of 4 every [`COARSER_EVERY`].
@@ -54,7 +56,7 @@ pub(crate) struct Span {
     pub(crate) centre: f64,
     pub(crate) slope: f64,
     pub(crate) error: f64,
-    /// Whether loops did not end.
+    /// Whether loops took many turns.
     endless: bool,
 }
 
@@ -230,7 +232,7 @@ impl Marcher {
                 centre: centre[i],
                 slope: slope[i],
                 error: error[i],
-                endless: self.affine.turns(i).is_infinite(),
+                endless: self.affine.turns(i) >= MANY_TURNS,
             }));
         } else {
             self.interval.run(tape, count);
@@ -242,7 +244,7 @@ impl Marcher {
                 centre: nothing,
                 slope: nothing,
                 error: nothing,
-                endless: self.interval.turns(i).is_infinite(),
+                endless: self.interval.turns(i) >= MANY_TURNS,
             }));
         }
     }
@@ -426,8 +428,8 @@ impl Lane {
 
     fn take_span(&mut self, span: &Span, settings: &Settings) {
         self.cost += 1;
-        self.endless += u32::from(span.endless);
-        self.last_endless = span.endless;
+        self.last_endless = span.endless && span.is_undefined();
+        self.endless += u32::from(self.last_endless);
         let (start, stop) = self.span();
         if stop <= start {
             return self.advance(stop.max(self.front), settings.size);
