@@ -129,6 +129,7 @@ fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
         samples: arguments.samples,
         method: method(arguments)?,
         tolerance: arguments.tolerance,
+        ..Settings::default()
     };
     Ok(RenderRequest {
         inputs: arguments.model.inputs(),

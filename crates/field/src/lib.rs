@@ -14,6 +14,7 @@ mod eval;
 mod field;
 mod function;
 mod graph;
+mod import;
 mod interval;
 mod op;
 mod real;

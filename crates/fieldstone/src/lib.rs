@@ -100,9 +100,10 @@ pub use fieldstone_render::{
     SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
 };
 pub use fieldstone_scene::{
-    Background, Ball, BallError, Bounds, BoundsError, CHANNELS, Camera, CameraError, ColourSource, Film,
-    Light, LightError, LightSource, Lighting, Material, MaterialError, Method, Pixel, Projection, Rgb, Scene,
-    SceneError, Settings, Solid, Up, View, linear_to_srgb, srgb_to_linear,
+    Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera, CameraError,
+    Channel, Condition, Film, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, Material,
+    MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene, SceneError, Settings, Shading,
+    Solid, Texture, Tree, Up, View, linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,

@@ -2,8 +2,8 @@
 
 use fieldstone_lang::{Finish, Lens, Presentation};
 use fieldstone_scene::{
-    Background, Ball, BallError, Camera, Light, Lighting, Material, Projection, Rgb, Solid, View,
-    srgb_to_linear,
+    Background, Ball, BallError, Camera, Channel, Light, Lighting, Material, Projection, Rgb, SceneError,
+    Solid, Texture, View, srgb_to_linear,
 };
 use glam::DVec3;
 
@@ -36,16 +36,20 @@ fn linear(colour: [f64; 3]) -> Rgb {
     DVec3::from(colour.map(srgb_to_linear))
 }
 
-/// A solid with the materials of the file. How much of the light they scatter is in the [`lighting`].
-pub(crate) fn with_materials(solid: Solid, shown: &Presentation) -> Solid {
+/// A solid with the materials of the file, whose colour is that of the first three attributes if it is `coloured`. How
+/// much of the light they scatter is in the [`lighting`].
+pub(crate) fn with_materials(
+    solid: Solid,
+    shown: &Presentation,
+    coloured: bool,
+) -> Result<Solid, SceneError> {
     let material = |side: &Finish| Material::new(linear(side.colour), side.specular, side.shininess).ok();
-    let solid = match shown.front.as_ref().and_then(material) {
-        Some(front) => solid.with_material(front),
-        None => solid,
-    };
+    let front = shown.front.as_ref().and_then(material).unwrap_or_default();
+    let attributes = Texture { channel: Channel::Colour, first: 0, srgb: true };
+    let solid = solid.with_material(if coloured { front.with_texture(attributes) } else { front })?;
     match shown.back.as_ref().and_then(material) {
-        Some(back) => solid.with_back_material(back),
-        None => solid,
+        Some(back) => solid.with_back_material(if coloured { back.with_texture(attributes) } else { back }),
+        None => Ok(solid),
     }
 }
 
@@ -94,7 +98,7 @@ mod tests {
         assert_eq!(scene.camera().forward(), -DVec3::Z);
         let Projection::Orthographic { height } = scene.camera().projection() else { panic!("parallel") };
         assert!((height - 4.0).abs() < 1e-9);
-        assert_eq!(scene.solids()[0].material().diffuse(), DVec3::X);
+        assert_eq!(scene.solids()[0].parts()[0].appearance(&[], false).colour, DVec3::X);
         assert_eq!(scene.lighting().background, Background::plain(DVec3::Z));
         assert_eq!(scene.lighting().lights.len(), 1);
     }

@@ -6,8 +6,7 @@ use crate::presentation;
 use fieldstone_lang::{Model, UpAxis};
 use fieldstone_render::Stats;
 use fieldstone_scene::{
-    Ball, BallError, Bounds, BoundsError, Camera, CameraError, ColourSource, Scene, SceneError, Settings,
-    Solid, Up, View,
+    Ball, BallError, Bounds, BoundsError, Camera, CameraError, Scene, SceneError, Settings, Solid, Up, View,
 };
 use fieldstone_space::{Extent, FoundBounds};
 use std::fmt;
@@ -171,9 +170,7 @@ impl RenderRequest {
             .with_surface(surface)
             .with_clip_ball(clip_ball);
         let coloured = model.has_attributes && model.field.attributes().len() >= 3;
-        let colours = if coloured { ColourSource::Attributes } else { ColourSource::Material };
-        let solid = solid.with_colour_source(colours)?;
-        let solid = presentation::with_materials(solid, &model.presentation);
+        let solid = presentation::with_materials(solid, &model.presentation, coloured)?;
         let lighting = presentation::lighting(&model.presentation, &camera);
         let scene = Scene::new(vec![solid], camera, lighting, self.settings)?;
         Ok(Resolved { scene, warnings: warning.into_iter().collect() })

@@ -49,8 +49,8 @@ fn shade(
     normals: &[DVec3],
 ) -> Vec<DVec3> {
     let lighting = prepared.scene.lighting();
-    let diffuse = prepared.diffuse(asker, hits);
-    let mut colours: Vec<DVec3> = diffuse.iter().map(|&d| d * lighting.ambient).collect();
+    let looks = prepared.appearances(asker, hits);
+    let mut colours: Vec<DVec3> = looks.iter().map(|look| look.colour * lighting.ambient).collect();
     for light in &lighting.lights {
         let lit: Vec<usize> = (0..hits.len())
             .filter(|&i| light.at(hits[i].0.before).is_some_and(|l| l.to_light.dot(normals[i]) > 0.0))
@@ -65,12 +65,11 @@ fn shade(
             vec![false; rays.len()]
         };
         for ((&i, l), _) in lit.iter().zip(&arriving).zip(&blocked).filter(|(_, blocked)| !**blocked) {
-            let (surface, direction) = hits[i];
-            let material = prepared.solid(surface.part).material_from(surface.from_inside);
+            let (look, (_, direction)) = (&looks[i], hits[i]);
             let cosine = l.to_light.dot(normals[i]);
             let half = (l.to_light - direction).normalize_or_zero();
-            let highlight = material.specular() * half.dot(normals[i]).max(0.0).powf(material.shininess());
-            colours[i] += l.colour * (diffuse[i] * cosine + DVec3::splat(highlight * cosine.min(1.0)));
+            let highlight = look.specular * half.dot(normals[i]).max(0.0).powf(look.shininess);
+            colours[i] += l.colour * (look.colour * cosine + DVec3::splat(highlight * cosine.min(1.0)));
         }
     }
     colours

@@ -2,7 +2,7 @@
 
 use crate::jump::Probe;
 use fieldstone_field::{F64, Gradients, LANES, Points, Reading, Tape, TapeOptions, Workspace};
-use fieldstone_scene::{Method, RaySpan, Scene, Solid};
+use fieldstone_scene::{Appearance, Method, RaySpan, Scene, Solid};
 use fieldstone_trace::{Certificate, Outcome, Ray, Settings, Tracer};
 use glam::DVec3;
 
@@ -142,9 +142,9 @@ impl<'s> Prepared<'s> {
         normals
     }
 
-    /// Diffuse colours at surfaces, linear RGB.
-    pub(crate) fn diffuse(&self, asker: &mut Asker, hits: &[(Surface, DVec3)]) -> Vec<DVec3> {
-        let mut colours = vec![DVec3::ZERO; hits.len()];
+    /// How surfaces look.
+    pub(crate) fn appearances(&self, asker: &mut Asker, hits: &[(Surface, DVec3)]) -> Vec<Appearance> {
+        let mut looks = vec![Appearance::default(); hits.len()];
         for (part, solid) in self.solids.iter().enumerate() {
             let count = solid.attributes.output_count() - 1;
             let of_part: Vec<usize> = (0..hits.len()).filter(|&i| hits[i].0.part == part).collect();
@@ -157,15 +157,11 @@ impl<'s> Prepared<'s> {
                 }
                 for (lane, &i) in block.iter().enumerate() {
                     let attributes: Vec<f64> = (1..=count).map(|a| asker.points.output(a, 0)[lane]).collect();
-                    colours[i] = solid.solid.diffuse(&attributes, hits[i].0.from_inside);
+                    looks[i] = solid.solid.parts()[0].appearance(&attributes, hits[i].0.from_inside);
                 }
             }
         }
-        colours
-    }
-
-    pub(crate) fn solid(&self, part: usize) -> &Solid {
-        self.solids[part].solid
+        looks
     }
 }
 

@@ -3,8 +3,8 @@
 use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
 use fieldstone_render::{RenderError, RenderOptions, Rendered, render};
 use fieldstone_scene::{
-    Background, Bounds, Camera, ColourSource, Film, Light, Lighting, Material, Method, Projection, Scene,
-    Settings, Solid, linear_to_srgb,
+    Background, Bounds, Camera, Channel, Film, Light, Lighting, Material, Method, Projection, Scene,
+    Settings, Solid, Texture, linear_to_srgb,
 };
 use glam::DVec3;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -113,7 +113,9 @@ fn light_is_that_of_blinn_and_phong() {
     let to_light = DVec3::new(0.4, -1.0, 0.8).normalize();
     let colour = DVec3::new(1.0, 0.9, 0.7);
     let material = Material::new(DVec3::new(0.5, 0.25, 0.125), 0.3, 20.0).expect("the material is sound");
-    let solid = Solid::new(unit_ball(), Bindings::new(), cube(1.2)).with_material(material);
+    let solid = Solid::new(unit_ball(), Bindings::new(), cube(1.2))
+        .with_material(material.clone())
+        .expect("no textures");
     let light = Light::directional(to_light, colour).expect("the light is sound");
     let ambient = DVec3::splat(0.05);
     let lighting = Lighting { lights: vec![light], ambient, ..dark() };
@@ -124,10 +126,10 @@ fn light_is_that_of_blinn_and_phong() {
         let normal = origin + t * direction;
         let cosine = normal.dot(to_light);
         let half = (to_light - direction).normalize();
-        let mut expected = material.diffuse() * ambient;
+        let mut expected = material.base().colour * ambient;
         if cosine > 0.0 {
             let highlight = 0.3 * half.dot(normal).max(0.0).powf(20.0);
-            expected += colour * cosine * (material.diffuse() + DVec3::splat(highlight));
+            expected += colour * cosine * (material.base().colour + DVec3::splat(highlight));
         }
         // At the terminator a rounding decides.
         if cosine.abs() > 1e-4 {
@@ -293,7 +295,9 @@ fn attributes_are_colours() {
     let red = g.select(inside, red, zero);
     let green = g.select(inside, one, zero);
     let field = Field::new(g, value, vec![red, green, zero]);
-    let solid = Solid::new(field, Bindings::new(), cube(1.2)).with_colour_source(ColourSource::Attributes);
+    let solid = Solid::new(field, Bindings::new(), cube(1.2)).with_material(
+        Material::default().with_texture(Texture { channel: Channel::Colour, first: 0, srgb: true }),
+    );
     let lighting = Lighting { ambient: DVec3::ONE, ..dark() };
     let eye = DVec3::new(0.0, -5.0, 0.0);
     let (_, rendered) =

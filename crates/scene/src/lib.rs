@@ -2,8 +2,10 @@
 //!
 //! A [`Scene`] is plain data about which nothing needs to be checked again:
 //! - there is at least one [`Solid`]; its [`Bounds`] are finite and have a positive extent along every axis;
+//! - there is at least one [`Instance`]; each is of a solid of the scene and can be moved back;
 //! - a [`Ball`] that a solid is clipped to has a finite centre and a positive radius;
-//! - a solid that takes its colour from attributes has at least three of them;
+//! - attributes that parts, shares, textures and conditions refer to exist; trees name parts that exist;
+//! - the numbers of a [`Material`] are in their ranges;
 //! - the [`Camera`]'s axes are orthonormal, its field of view lies between 0 and π, its height is positive;
 //! - directions to [`Light`]s are unit vectors, colours are finite and not negative;
 //! - the image has at least one pixel and at most [`MAX_PIXELS`], and at least one sample a pixel;
@@ -18,13 +20,17 @@ mod camera;
 mod colour;
 mod film;
 mod light;
+mod material;
 mod scene;
+mod solid;
 mod text;
 
 pub use ball::{Ball, BallError};
 pub use bounds::{Bounds, BoundsError, RaySpan};
 pub use camera::{Camera, CameraError, Projection, Up, View};
-pub use colour::{Background, ColourSource, Material, MaterialError, Rgb, linear_to_srgb, srgb_to_linear};
+pub use colour::{Background, Rgb, linear_to_srgb, srgb_to_linear};
 pub use film::{CHANNELS, Film, Pixel};
 pub use light::{Illumination, Light, LightError, LightSource, Lighting};
-pub use scene::{MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings, Solid};
+pub use material::{Appearance, Channel, Material, MaterialError, Shading, Texture};
+pub use scene::{MAX_BOUNCES, MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings};
+pub use solid::{Blended, Condition, Instance, NORMAL_INPUTS, Part, Solid, Tree};

@@ -1,12 +1,10 @@
 //! The scene: solids, camera, light and settings.
 
-use crate::ball::Ball;
-use crate::bounds::{Bounds, RaySpan};
+use crate::bounds::Bounds;
 use crate::camera::Camera;
-use crate::colour::{ColourSource, Material, Rgb, srgb_to_linear};
 use crate::light::Lighting;
+use crate::solid::{Instance, Solid};
 use crate::text::Number;
-use fieldstone_field::{Bindings, Field};
 use glam::DVec3;
 
 /// The most pixels that an image may have: 2²⁶, 8192 × 8192.
@@ -18,6 +16,9 @@ const PIXEL_BYTES: u64 = 48;
 /// The shortest step of [`Method::Sampled`], relative to the longest side of the bounds: rays have up to 1.7 million.
 pub const MIN_STEP: f64 = 1e-6;
 
+/// The most bounces of a ray.
+pub const MAX_BOUNCES: u32 = 64;
+
 /// The most samples that a pixel may have.
 pub const MAX_SAMPLES: u32 = 4096;
 
@@ -27,9 +28,25 @@ pub enum SceneError {
     /// Nothing to draw.
     #[error("a scene needs a solid")]
     NoSolid,
-    /// A solid takes its colour from attributes that it does not have.
-    #[error("a colour needs three attributes, the field has {0}")]
-    Attributes(usize),
+    /// A solid refers to attributes that its field does not have.
+    #[error("{what} needs {needed} attributes, the field has {found}")]
+    Attributes {
+        /// What refers to them: `a texture`, `a part`, `a share` or `a condition`.
+        what: &'static str,
+        /// How many attributes it needs.
+        needed: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A tree of set operations names a part that the solid does not have.
+    #[error("the set operations name part {0}, the solid has {1}")]
+    Part(usize, usize),
+    /// An instance is of a solid that is not there, or is moved by a matrix that cannot be inverted.
+    #[error("instance {0} {1}")]
+    Instance(usize, &'static str),
+    /// More bounces than [`MAX_BOUNCES`].
+    #[error("a ray bounces at most {MAX_BOUNCES} times, not {0}")]
+    Bounces(u32),
     /// The image has no pixel, or more than [`MAX_PIXELS`].
     #[error("an image of {0}x{1} pixels {fault}", fault = size_fault(*.0, *.1))]
     Size(u32, u32),
@@ -66,143 +83,6 @@ fn size_fault(width: u32, height: u32) -> String {
     }
 }
 
-/// A solid: where its field is negative, within its bounds; or a surface without an inside: where its field is 0.
-#[derive(Clone, Debug)]
-pub struct Solid {
-    field: Field,
-    bindings: Bindings,
-    bounds: Bounds,
-    clip_ball: Option<Ball>,
-    capped: bool,
-    surface: bool,
-    material: Material,
-    back: Option<Material>,
-    colour_source: ColourSource,
-}
-
-impl Solid {
-    /// The solid of a field, cut off at its bounds, of the default material.
-    ///
-    /// `bindings` hold the values of all inputs but the first three coordinates.
-    pub fn new(field: Field, bindings: Bindings, bounds: Bounds) -> Self {
-        let (material, colour_source) = (Material::default(), ColourSource::Material);
-        Self {
-            field,
-            bindings,
-            bounds,
-            clip_ball: None,
-            capped: true,
-            surface: false,
-            material,
-            back: None,
-            colour_source,
-        }
-    }
-
-    /// Whether the bounds cut the solid (capped: what is inside ends there with a face) or a window on it (open: one
-    /// looks into it where it is cut).
-    pub fn with_caps(self, capped: bool) -> Self {
-        Self { capped, ..self }
-    }
-
-    /// Whether it is a surface without an inside: the places where the field is 0, seen from both sides, those where it
-    /// does not change its sign too. Bounds end it and close nothing.
-    pub fn with_surface(self, surface: bool) -> Self {
-        Self { surface, ..self }
-    }
-
-    /// A ball outside of which nothing is drawn: like the bounds it cuts the solid, or is a window on it.
-    pub fn with_clip_ball(self, clip_ball: Option<Ball>) -> Self {
-        Self { clip_ball, ..self }
-    }
-
-    /// Another material.
-    pub fn with_material(self, material: Material) -> Self {
-        Self { material, ..self }
-    }
-
-    /// Another material for the side from which the field is negative, which is seen of surfaces and of open solids.
-    pub fn with_back_material(self, back: Material) -> Self {
-        Self { back: Some(back), ..self }
-    }
-
-    /// Another source of the diffuse colour.
-    ///
-    /// # Errors
-    /// [`ColourSource::Attributes`] for a field with fewer than three attributes.
-    pub fn with_colour_source(self, colour_source: ColourSource) -> Result<Self, SceneError> {
-        let attributes = self.field.attributes().len();
-        if colour_source == ColourSource::Attributes && attributes < 3 {
-            return Err(SceneError::Attributes(attributes));
-        }
-        Ok(Self { colour_source, ..self })
-    }
-
-    /// The field, negative inside.
-    pub fn field(&self) -> &Field {
-        &self.field
-    }
-
-    /// The values of all inputs but the first three coordinates.
-    pub fn bindings(&self) -> &Bindings {
-        &self.bindings
-    }
-
-    /// Where the solid is.
-    pub fn bounds(&self) -> &Bounds {
-        &self.bounds
-    }
-
-    /// The ball that it is clipped to, if there is one.
-    pub fn clip_ball(&self) -> Option<&Ball> {
-        self.clip_ball.as_ref()
-    }
-
-    /// The part of the line origin + t·direction on which it may be seen, over all t: inside the bounds and the ball.
-    pub fn ray_span(&self, origin: DVec3, direction: DVec3) -> Option<RaySpan> {
-        let span = self.bounds.ray_span(origin, direction)?;
-        match &self.clip_ball {
-            None => Some(span),
-            Some(ball) => ball.ray_span(origin, direction)?.intersection(&span),
-        }
-    }
-
-    /// Whether the bounds cut the solid; see [`with_caps`](Self::with_caps). They never cut a surface.
-    pub fn is_capped(&self) -> bool {
-        self.capped && !self.surface
-    }
-
-    /// Whether it is a surface without an inside; see [`with_surface`](Self::with_surface).
-    pub fn is_surface(&self) -> bool {
-        self.surface
-    }
-
-    /// What its surface is made of.
-    pub fn material(&self) -> &Material {
-        &self.material
-    }
-
-    /// What it is made of where it is seen from outside, or from inside.
-    pub fn material_from(&self, inside: bool) -> &Material {
-        self.back.as_ref().filter(|_| inside).unwrap_or(&self.material)
-    }
-
-    /// Where its diffuse colour comes from.
-    pub fn colour_source(&self) -> ColourSource {
-        self.colour_source
-    }
-
-    /// The diffuse colour where the field has these attributes, seen from outside or from inside.
-    pub fn diffuse(&self, attributes: &[f64], from_inside: bool) -> Rgb {
-        match (self.colour_source, attributes) {
-            (ColourSource::Attributes, &[r, g, b, ..]) if !(r.is_nan() || g.is_nan() || b.is_nan()) => {
-                DVec3::from([r, g, b].map(|s| srgb_to_linear(s.clamp(0.0, 1.0))))
-            }
-            _ => self.material_from(from_inside).diffuse(),
-        }
-    }
-}
-
 /// How surfaces are found. Lengths are relative to the longest side of the bounds.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum Method {
@@ -221,6 +101,27 @@ pub enum Method {
     },
 }
 
+impl Method {
+    /// That its lengths are positive, and steps not too short.
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        match *self {
+            Self::Affine => Ok(()),
+            Self::Interval { accept_epsilon } => check_lengths(&[("accepted width", accept_epsilon)]),
+            Self::Sampled { step } => {
+                check_lengths(&[("step", step)])?;
+                step.filter(|&step| step < MIN_STEP).map_or(Ok(()), |step| Err(SceneError::Step(step)))
+            }
+        }
+    }
+}
+
+/// That lengths, where they are given, are positive and finite.
+pub(crate) fn check_lengths(lengths: &[(&'static str, Option<f64>)]) -> Result<(), SceneError> {
+    let is_bad = |value: &f64| !(*value > 0.0 && value.is_finite());
+    let bad = lengths.iter().find_map(|&(name, length)| length.filter(is_bad).map(|value| (name, value)));
+    bad.map_or(Ok(()), |(name, value)| Err(SceneError::Length { name, value }))
+}
+
 /// How a scene is drawn.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Settings {
@@ -232,12 +133,23 @@ pub struct Settings {
     pub method: Method,
     /// How closely surfaces are located, relative to the longest side of the bounds; `None`: a default.
     pub tolerance: Option<f64>,
+    /// The same for shadow rays, which may be coarser; `None`: as for other rays.
+    pub shadow_tolerance: Option<f64>,
+    /// How often light is followed on from surfaces that mirror it or let it through, at most [`MAX_BOUNCES`].
+    pub bounces: u32,
 }
 
 impl Default for Settings {
-    /// 512 × 512 pixels, 4 samples, the affine method.
+    /// 512 × 512 pixels, 4 samples, the affine method, 8 bounces.
     fn default() -> Self {
-        Self { size: (512, 512), samples: 4, method: Method::Affine, tolerance: None }
+        Self {
+            size: (512, 512),
+            samples: 4,
+            method: Method::Affine,
+            tolerance: None,
+            shadow_tolerance: None,
+            bounces: 8,
+        }
     }
 }
 
@@ -251,23 +163,12 @@ impl Settings {
         if !(1..=MAX_SAMPLES).contains(&self.samples) {
             return Err(SceneError::Samples(self.samples));
         }
-        let of_method = match self.method {
-            Method::Affine => ("step", None),
-            Method::Interval { accept_epsilon } => ("accepted width", accept_epsilon),
-            Method::Sampled { step } => ("step", step),
-        };
-        for (name, length) in [of_method, ("tolerance", self.tolerance)] {
-            match length {
-                Some(value) if !(value > 0.0 && value.is_finite()) => {
-                    return Err(SceneError::Length { name, value });
-                }
-                _ => {}
-            }
+        let lengths = [("tolerance", self.tolerance), ("shadow tolerance", self.shadow_tolerance)];
+        check_lengths(&lengths)?;
+        if self.bounces > MAX_BOUNCES {
+            return Err(SceneError::Bounces(self.bounces));
         }
-        match self.method {
-            Method::Sampled { step: Some(step) } if step < MIN_STEP => Err(SceneError::Step(step)),
-            _ => Ok(()),
-        }
+        self.method.check()
     }
 }
 
@@ -275,13 +176,14 @@ impl Settings {
 #[derive(Clone, Debug)]
 pub struct Scene {
     solids: Vec<Solid>,
+    instances: Vec<Instance>,
     camera: Camera,
     lighting: Lighting,
     settings: Settings,
 }
 
 impl Scene {
-    /// A scene.
+    /// A scene in which every solid stands once, where its field puts it.
     ///
     /// # Errors
     /// No solid, or settings out of their range.
@@ -291,16 +193,39 @@ impl Scene {
         lighting: Lighting,
         settings: Settings,
     ) -> Result<Self, SceneError> {
-        if solids.is_empty() {
+        let instances = (0..solids.len()).map(Instance::unmoved).collect();
+        Self::with_instances(solids, instances, camera, lighting, settings)
+    }
+
+    /// A scene in which solids stand where instances say, any number of times each.
+    ///
+    /// # Errors
+    /// No solid or instance, an instance of a solid that is not there, or settings out of their range.
+    pub fn with_instances(
+        solids: Vec<Solid>,
+        instances: Vec<Instance>,
+        camera: Camera,
+        lighting: Lighting,
+        settings: Settings,
+    ) -> Result<Self, SceneError> {
+        if solids.is_empty() || instances.is_empty() {
             return Err(SceneError::NoSolid);
         }
+        if let Some(i) = instances.iter().position(|instance| instance.solid() >= solids.len()) {
+            return Err(SceneError::Instance(i, "is of a solid that is not there"));
+        }
         settings.check()?;
-        Ok(Self { solids, camera, lighting, settings })
+        Ok(Self { solids, instances, camera, lighting, settings })
     }
 
     /// The solids, at least one.
     pub fn solids(&self) -> &[Solid] {
         &self.solids
+    }
+
+    /// Where the solids stand, at least one.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
     }
 
     /// The camera.
@@ -330,10 +255,11 @@ impl Scene {
         self.camera.ray(x / f64::from(width), y / f64::from(height), self.aspect())
     }
 
-    /// The smallest box around the bounds of all solids.
+    /// The smallest box around the bounds of all instances, in world space.
     pub fn bounds(&self) -> Bounds {
-        let first = *self.solids[0].bounds();
-        self.solids[1..].iter().fold(first, |all, solid| all.union(solid.bounds()))
+        let bounds = |instance: &Instance| instance.world_bounds(self.solids[instance.solid()].bounds());
+        let first = bounds(&self.instances[0]);
+        self.instances[1..].iter().fold(first, |all, instance| all.union(&bounds(instance)))
     }
 }
 
@@ -341,20 +267,20 @@ impl Scene {
 mod tests {
     use super::*;
     use crate::Up;
-    use fieldstone_field::{Graph, Input};
+    use fieldstone_field::{Bindings, Field, Graph, Input};
 
     fn unit_box() -> Bounds {
         Bounds::new(-DVec3::ONE, DVec3::ONE).unwrap()
     }
 
-    fn plane(attributes: usize) -> Field {
+    fn plane() -> Field {
         let mut graph = Graph::new();
         let x = graph.input(Input::Coordinate(0));
-        Field::new(graph, x, vec![x; attributes])
+        Field::new(graph, x, Vec::new())
     }
 
     fn scene(settings: Settings) -> Result<Scene, SceneError> {
-        let solid = Solid::new(plane(0), Bindings::new(), unit_box());
+        let solid = Solid::new(plane(), Bindings::new(), unit_box());
         let camera = Camera::fitted(&unit_box(), Up::Z, 1.0);
         Scene::new(vec![solid], camera, Lighting::for_camera(&camera), settings)
     }
@@ -402,21 +328,5 @@ mod tests {
         assert_eq!(scene.aspect(), 2.0);
         assert_eq!(scene.ray(0.5, 1.5), scene.camera().ray(0.125, 0.75, 2.0));
         assert_eq!(scene.bounds(), unit_box());
-    }
-
-    #[test]
-    fn attributes_are_srgb_and_cut_off() {
-        let solid = |n| Solid::new(plane(n), Bindings::new(), unit_box());
-        let refused = solid(2).with_colour_source(ColourSource::Attributes).map(|_| ());
-        assert_eq!(refused, Err(SceneError::Attributes(2)));
-        let coloured = solid(3).with_colour_source(ColourSource::Attributes).unwrap();
-        let colour = coloured.diffuse(&[0.5, 7.0, -1.0], false);
-        assert!((colour - DVec3::new(0.214_041_14, 1.0, 0.0)).length() < 1e-8);
-        let own = coloured.material().diffuse();
-        assert_eq!(coloured.diffuse(&[0.5, f64::NAN, 0.5], false), own);
-        assert_eq!(solid(3).diffuse(&[0.5, 0.5, 0.5], false), own);
-        let red = Material::new(DVec3::X, 0.0, 1.0).unwrap();
-        let two_sided = solid(3).with_back_material(red);
-        assert_eq!((two_sided.diffuse(&[], false), two_sided.diffuse(&[], true)), (own, DVec3::X));
     }
 }
