@@ -18,6 +18,9 @@ const PIXEL_BYTES: u64 = 48;
 /// The shortest step of [`Method::Sampled`], relative to the longest side of the bounds: rays have up to 1.7 million.
 pub const MIN_STEP: f64 = 1e-6;
 
+/// The longest step, accepted width or tolerance, relative to the longest side of the bounds.
+pub const MAX_LENGTH: f64 = 0.5;
+
 /// The most samples that a pixel may have.
 pub const MAX_SAMPLES: u32 = 4096;
 
@@ -40,6 +43,14 @@ pub enum SceneError {
     #[error("the {name} is a positive number, not {}", Number(*value))]
     Length {
         /// Which it is: `step`, `accepted width` or `tolerance`.
+        name: &'static str,
+        /// What was asked for.
+        value: f64,
+    },
+    /// A step or tolerance longer than [`MAX_LENGTH`].
+    #[error("the {name} is at most {MAX_LENGTH} of the longest side of the bounds, not {}", Number(*value))]
+    Long {
+        /// Which it is, as above.
         name: &'static str,
         /// What was asked for.
         value: f64,
@@ -261,6 +272,7 @@ impl Settings {
                 Some(value) if !(value > 0.0 && value.is_finite()) => {
                     return Err(SceneError::Length { name, value });
                 }
+                Some(value) if value > MAX_LENGTH => return Err(SceneError::Long { name, value }),
                 _ => {}
             }
         }
@@ -372,6 +384,8 @@ mod tests {
         assert_eq!(with(|s| s.samples = 0), Err(SceneError::Samples(0)));
         let length = |name, value| Err(SceneError::Length { name, value });
         assert_eq!(with(|s| s.tolerance = Some(0.0)), length("tolerance", 0.0));
+        let long = |value| Err(SceneError::Long { name: "tolerance", value });
+        assert_eq!(with(|s| s.tolerance = Some(2.0)), long(2.0));
         assert_eq!(with(|s| s.method = Method::Sampled { step: Some(-1.0) }), length("step", -1.0));
         assert_eq!(with(|s| s.method = Method::Sampled { step: Some(1e-12) }), Err(SceneError::Step(1e-12)));
         let epsilon = Method::Interval { accept_epsilon: Some(f64::INFINITY) };
