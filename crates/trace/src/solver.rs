@@ -124,7 +124,9 @@ mod tests {
 
     #[test]
     fn poles_are_told_from_roots_and_jumps() {
-        let cases: [(fn(f64) -> f64, bool); 5] = [
+        /// A function and whether it has a pole at 1.3.
+        type Case = (fn(f64) -> f64, bool);
+        let cases: [Case; 5] = [
             (|x| 1.0 / (x - 1.3), true),
             (|x| 1e-3 / (x - 1.3).powi(3) + 0.01, true),
             (|x| (x - 1.3) * 1e6, false),
