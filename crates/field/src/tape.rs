@@ -44,7 +44,8 @@ impl Op {
         match self {
             Self::Unary(Unary::Sin | Unary::Cos) => 2,
             Self::Unary(op) if !op.is_cheap() => 4,
-            Self::Binary(Binary::Pow) | Self::Call { .. } => 16,
+            Self::Binary(Binary::Pow) => 64,
+            Self::Call { .. } => 16,
             Self::Binary(Binary::Atan2) => 8,
             _ => 1,
         }

@@ -199,6 +199,8 @@ struct Search<'t> {
     queue: BinaryHeap<(Urgency, Cell)>,
     cells_left: usize,
     sampled_left: usize,
+    /// How many lines may be followed outward.
+    lines_left: usize,
     /// Whether the program is so long that few cells and samples can be afforded.
     is_dear: bool,
     finding: Finding,
@@ -216,6 +218,7 @@ impl<'t> Search<'t> {
             root,
             hull: None,
             queue: BinaryHeap::new(),
+            lines_left: 2 * affordable / LANES,
             is_dear: affordable < LEAST_CELLS,
             cells_left: affordable.clamp(LEAST_CELLS, MOST_CELLS),
             sampled_left: (4 * affordable / LANES).clamp(LEAST_SAMPLED, MOST_SAMPLED),
@@ -370,10 +373,11 @@ impl<'t> Search<'t> {
         let mut hull = before.unwrap_or(Hull::at(first));
         points.iter().for_each(|&p| hull.add(p));
         self.hull = Some(hull);
-        let sides = if self.is_dear { 0..0 } else { 0..6 };
-        for side in sides {
+        for side in 0..6 {
             let known = before.map_or(f64::NEG_INFINITY, |b| b.reach(side));
-            if hull.reach(side) > known + hull.cell.longest_side().1 * MARGIN {
+            let is_farther = hull.reach(side) > known + hull.cell.longest_side().1 * MARGIN;
+            if is_farther && self.lines_left > 0 {
+                self.lines_left -= 1;
                 self.follow(side, hull.outermost[side]);
             }
         }
