@@ -82,7 +82,7 @@ pub(crate) struct ModelArguments {
     #[arg(long = "coord", value_name = "K=V", value_parser = parse_coordinate)]
     coordinates: Vec<(usize, f64)>,
     /// How many turns loops may take at a point before it counts as undefined [default: up to 1000000].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..))]
     fuel: Option<u32>,
     /// The time: `t` in formulas.
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = parse_number, default_value = "0")]
@@ -225,7 +225,7 @@ pub(crate) struct RenderArguments {
     #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true, default_value_t = 4)]
     pub(crate) samples: u32,
     /// How many threads [default: one for each core].
-    #[arg(long, help_heading = METHOD, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
     /// Write what was spent, and what the picture rests on, as JSON.
     #[arg(long, help_heading = OUTPUT, value_name = "FILE.json")]

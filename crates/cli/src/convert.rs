@@ -23,7 +23,7 @@ pub(crate) struct ConvertArguments {
 /// Writes a model in another language.
 pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     let syntax = syntax(&arguments.output)?;
-    let loaded = arguments.model.load()?;
+    let loaded = arguments.model.load().map_err(|failure| failure.filtered(arguments.quiet))?;
     let printed = convert(&loaded.model, &arguments.model.inputs(), syntax).map_err(|error| match error {
         ConvertError::Input(error) => Failure::from(error),
         ConvertError::Print(error) => Failure::Material(error.to_string()),

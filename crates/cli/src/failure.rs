@@ -2,7 +2,7 @@
 
 use fieldstone::{
     BallError, BoundsError, Diagnostics, InputError, LoadError, MeasureError, OutputError, PictureError,
-    PlotError, RenderError, RequestError, SliceError, SliceRequestError,
+    PlotError, RenderError, RequestError, Severity, SliceError, SliceRequestError,
 };
 use std::{fmt, io};
 
@@ -31,6 +31,14 @@ impl Failure {
             // What shells say of a program that SIGINT ended.
             Self::Interrupted => 130,
         }
+    }
+
+    /// The same, without the warnings that were found on the way if nothing but errors is to be printed.
+    pub(crate) fn filtered(mut self, quiet: bool) -> Self {
+        if let Self::Model(diagnostics) = &mut self {
+            diagnostics.list.retain(|diagnostic| !quiet || diagnostic.severity == Severity::Error);
+        }
+        self
     }
 
     /// A failure to read or write a standard stream.

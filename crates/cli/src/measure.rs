@@ -21,7 +21,7 @@ pub(crate) struct MeasureArguments {
     #[arg(long, help_heading = METHOD, value_name = "T", allow_hyphen_values = true, default_value = "1e-3", value_parser = parse_number)]
     tolerance: f64,
     /// How much work to spend at most, in units of some seconds; then the bounds are just wider.
-    #[arg(long, help_heading = METHOD, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
     effort: u64,
     /// Print JSON.
     #[arg(long, help_heading = OUTPUT)]
@@ -170,9 +170,11 @@ fn notes(measured: &Measured, options: &MeasureOptions) -> Vec<String> {
         .collect();
     if !late.is_empty() {
         let late = late.join(" and of ");
-        notes.push(format!(
-            "The bounds of {late} are wider than {tolerance} of the value: the effort was used up (--effort)."
-        ));
+        let why = match measures.full {
+            true => "no more cells are kept in memory (with --bounds, parts can be measured one by one)",
+            false => "the effort was used up (--effort)",
+        };
+        notes.push(format!("The bounds of {late} are wider than {tolerance} of the value: {why}."));
     }
     notes
 }

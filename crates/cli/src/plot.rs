@@ -22,10 +22,10 @@ pub(crate) struct PlotArguments {
     #[arg(required_unless_present = "through", conflicts_with = "through")]
     ray: Option<[f64; 6]>,
     /// The ray through a pixel of the picture that `render` makes, counted from 0,0 at the upper left.
-    #[arg(long, help_heading = VIEW, value_name = "X,Y", value_parser = parse_pixel)]
+    #[arg(long, help_heading = VIEW, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse_pixel)]
     through: Option<[u32; 2]>,
     /// The width and height of that picture.
-    #[arg(long, help_heading = VIEW, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
+    #[arg(long, help_heading = VIEW, value_name = "WxH", allow_hyphen_values = true, default_value = "512x512", value_parser = parse_size)]
     size: (u32, u32),
     /// The plot: .svg or .png.
     #[arg(short, long, help_heading = OUTPUT, value_name = "FILE")]
@@ -34,7 +34,7 @@ pub(crate) struct PlotArguments {
     #[arg(long, help_heading = VIEW, value_name = "t0,t1", allow_hyphen_values = true, value_parser = parse_numbers::<2>)]
     span: Option<[f64; 2]>,
     /// Show so many spans of the same length, instead of those that the method looks at.
-    #[arg(long, help_heading = METHOD, value_name = "N", conflicts_with = "method")]
+    #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true, conflicts_with = "method")]
     spans: Option<u32>,
     /// The method whose spans are shown.
     #[arg(long, help_heading = METHOD, value_enum, default_value_t = SpanMethod::Affine)]
@@ -54,7 +54,7 @@ enum SpanMethod {
 }
 
 fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
-    let hint = || format!("`{text}` is not a pixel: write 256,100");
+    let hint = || format!("`{text}` is not a pixel: write 256,100, counted from 0,0 at the upper left");
     let (x, y) = text.split_once(',').ok_or_else(hint)?;
     let number = |text: &str| text.trim().parse().map_err(|_| hint());
     Ok([number(x)?, number(y)?])

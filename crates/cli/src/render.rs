@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Fai
         return Err(Failure::Usage(message));
     }
     let request = request(arguments)?;
-    let loaded = arguments.model.load()?;
+    let loaded = arguments.model.load().map_err(|failure| failure.filtered(arguments.quiet))?;
     if slice::is_meant(arguments, &loaded)? {
         return slice::run(arguments, &loaded, start);
     }

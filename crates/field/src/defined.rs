@@ -15,14 +15,20 @@ use rustc_hash::FxHashMap;
 /// The field whose sign is that of `field`, and which is 1 where a partial operation that the value cannot do without has
 /// its operand outside of its domain.
 pub(crate) fn outside_where_undefined(field: &Field) -> Field {
-    let mut definition = Definition { graph: Graph::clone(field.graph()), parts: FxHashMap::default() };
-    let Part { value, condition: Some(condition) } = definition.of(field.value()) else {
-        return field.clone();
-    };
-    let mut graph = definition.graph;
+    let Some((clamped, condition)) = clamped_to_domain(field) else { return field.clone() };
+    let mut graph = Graph::clone(clamped.graph());
     let outside = graph.constant(1.0);
-    let value = graph.select(condition, value, outside);
+    let value = graph.select(condition, clamped.value(), outside);
     Field::new(graph, value, field.attributes().to_vec()).with_fuel(field.fuel())
+}
+
+/// The field with clamped operands, and a node of its graph that is 0 where `field` is certainly undefined and 1
+/// elsewhere; nothing if no place is known to be undefined.
+pub(crate) fn clamped_to_domain(field: &Field) -> Option<(Field, NodeId)> {
+    let mut definition = Definition { graph: Graph::clone(field.graph()), parts: FxHashMap::default() };
+    let Part { value, condition } = definition.of(field.value());
+    let clamped = Field::new(definition.graph, value, field.attributes().to_vec());
+    Some((clamped.with_fuel(field.fuel()), condition?))
 }
 
 /// What a node becomes.

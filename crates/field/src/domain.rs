@@ -20,6 +20,8 @@ pub trait Domain:
 {
     /// The numbers that it is made of.
     type Real: Real;
+    /// Whether it stands for many values at once, so that what is undefined may be defined for some of them.
+    const IS_SET: bool;
 
     /// The token that this value was made with.
     fn token(self) -> <Self::Real as Real>::Token;

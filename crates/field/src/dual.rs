@@ -114,6 +114,7 @@ impl<D: Domain> Neg for Dual<D> {
 
 impl<D: Domain> Domain for Dual<D> {
     type Real = D::Real;
+    const IS_SET: bool = D::IS_SET;
 
     #[inline(always)]
     fn token(self) -> Token<D> {

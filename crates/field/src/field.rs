@@ -1,5 +1,6 @@
 //! Fields: a program with the outputs that make it a solid.
 
+use crate::defined::clamped_to_domain;
 use crate::function::{Closure, Function};
 use crate::graph::{Graph, Input, Node, NodeId};
 use crate::reference::{self, DEFAULT_FUEL};
@@ -104,6 +105,13 @@ impl Field {
             other => bindings.get(other),
         };
         reference::evaluate(&self.graph, &outputs, (), input, self.fuel)
+    }
+
+    /// This field with the operands of partial operations (roots, logarithms, …) clamped to their domains, and a node
+    /// of its graph that is 0 where one of them that the value cannot do without lies outside, so that this field is
+    /// undefined there, and 1 elsewhere, where both fields are the same. `None`: no such operation.
+    pub fn clamped_to_domain(&self) -> Option<(Self, NodeId)> {
+        clamped_to_domain(self)
     }
 
     /// Whether the value calls a function of which nothing but values is known.

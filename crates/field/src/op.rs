@@ -154,6 +154,14 @@ macro_rules! declare_binary {
 }
 for_each_binary!(declare_binary);
 
+impl Unary {
+    /// Whether it takes a few instructions of the processor, and no function of a library.
+    pub(crate) fn is_cheap(self) -> bool {
+        use Unary::*;
+        !matches!(self, Exp | Ln | Sin | Cos | Tan | Asin | Acos | Atan | Sinh | Cosh | Tanh | Atanh)
+    }
+}
+
 impl Binary {
     /// Whether exchanging the operands changes nothing.
     pub fn is_commutative(self) -> bool {

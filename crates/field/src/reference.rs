@@ -10,7 +10,8 @@ pub const DEFAULT_FUEL: u32 = 1_000_000;
 
 /// Evaluates nodes of a graph; `input` gives the value of every input.
 ///
-/// Over sets, a loop whose condition is open leaves undefined values, where a [`Workspace`](crate::Workspace) joins.
+/// Over sets, a loop whose condition is open leaves undefined values, where a [`Workspace`](crate::Workspace) joins, and
+/// no turns for loops that follow: some value of the set may have taken them all.
 pub fn evaluate<D: Domain>(
     graph: &Graph,
     outputs: &[NodeId],
@@ -108,6 +109,9 @@ impl<D: Domain, I: Fn(Input) -> D> Reference<'_, D, I> {
             if let Some(last) = self.carried.last_mut() {
                 last.1 = next;
             }
+        }
+        if D::IS_SET {
+            self.fuel = 0;
         }
         self.carried.pop();
         self.forget_body(l);

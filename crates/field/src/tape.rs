@@ -37,6 +37,21 @@ pub(crate) enum Op {
     Loop(u32),
 }
 
+impl Op {
+    /// About how much it costs over intervals, in additions: elementary functions go through the standard library, lane
+    /// by lane.
+    fn cost(self) -> usize {
+        match self {
+            Self::Unary(Unary::Sin | Unary::Cos) => 2,
+            Self::Unary(op) if !op.is_cheap() => 4,
+            Self::Binary(Binary::Pow) => 64,
+            Self::Call { .. } => 16,
+            Self::Binary(Binary::Atan2) => 8,
+            _ => 1,
+        }
+    }
+}
+
 /// One instruction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Instruction {
@@ -148,6 +163,12 @@ impl Tape {
     pub fn len(&self) -> usize {
         let in_loops: usize = self.code.loops.iter().map(|l| l.test.len() + l.body.len()).sum();
         self.code.instructions.len() + in_loops
+    }
+
+    /// About how much an evaluation costs, in additions; what is inside loops is counted once.
+    pub fn cost(&self) -> usize {
+        let in_loops = self.code.loops.iter().flat_map(|l| l.test.iter().chain(&l.body));
+        self.code.instructions.iter().chain(in_loops).map(|instruction| instruction.op.cost()).sum()
     }
 
     /// Whether there is nothing to compute: the outputs are constants or inputs.

@@ -203,6 +203,49 @@ fn all_loops_of_a_point_share_its_fuel_and_no_lane_spends_that_of_another() {
     }
 }
 
+/// A loop to 10·√(2 − x)², and the turns of one to 15 behind it.
+fn counting_twice() -> Field {
+    let mut g = Graph::new();
+    let (x, zero, one, two) = (coordinate(&mut g, 0), g.constant(0.0), g.constant(1.0), g.constant(2.0));
+    let (nine, ten, fifteen) = (g.constant(9.0), g.constant(10.0), g.constant(15.0));
+    let difference = g.sub(two, x);
+    let root = g.sqrt(difference);
+    let square = g.square(root);
+    let first_end = g.mul(ten, square);
+    let mut turned = zero;
+    for end in [first_end, fifteen] {
+        // 0, but known only when the loop before has ended.
+        let small = g.lt(x, nine);
+        let start = g.select(small, zero, turned);
+        let count = g.begin_loop(&[start], None);
+        let i = g.loop_var(count, 0);
+        let more = g.lt(i, end);
+        let next = g.add(i, one);
+        turned = g.end_loop(count, more, &[next])[0];
+    }
+    Field::new(g, turned, Vec::new()).with_fuel(20)
+}
+
+#[test]
+fn what_a_point_of_a_set_may_have_spent_is_not_there_for_the_loops_that_follow() {
+    let field = counting_twice();
+    let tape = Tape::new(&field, &TapeOptions::default());
+    let w = run::<Points>(&tape, |lane, _| vec![[0.5, 1.75, 3.0][lane]], 3);
+    assert!(w.output(0, 0)[0].is_nan(), "15 turns, and 15 of 20 to come");
+    assert_eq!(w.output(0, 0)[1..3], [15.0, 15.0], "3 turns, and a condition without a value");
+    let boxes = [[0.5, 2.5], [1.75, 1.8]];
+    let w =
+        run::<Intervals>(&tape, |lane, axis| if axis == 0 { boxes[lane].to_vec() } else { vec![0.0; 2] }, 2);
+    assert!(w.output(0, 0)[0].is_nan(), "whose first point spends all");
+    assert_eq!(w.turns(0), 0.0, "which does not look endless");
+    assert_eq!((w.output(0, 0)[1], w.output(0, 1)[1]), (15.0, 15.0));
+    let reference = |lo: f64, hi: f64| {
+        reference::evaluate(field.graph(), &[field.value()], (), |_| Interval { lo, hi }, field.fuel())[0]
+    };
+    assert!(reference(0.5, 2.5).lo.is_nan());
+    assert_eq!(reference(1.75, 1.75).lo, 15.0);
+}
+
 /// A function that is known as a whole.
 struct Cube;
 

@@ -47,9 +47,11 @@ fn warning(wanted: &Wanted<'_>, found: &FoundBounds) -> Option<Warning> {
     match (found.extent, wanted.surface, wanted.clip) {
         (Extent::Unbounded, _, Some(_)) => None,
         (Extent::Empty | Extent::NotFound, _, Some(_)) => Some(Warning::NothingInSphere),
-        (Extent::Unbounded, true, None) => Some(Warning::UnboundedSurface),
         (Extent::Empty, true, None) => Some(Warning::EmptySurface),
-        _ => Warning::of_bounds(found),
+        _ => match Warning::of_bounds(found) {
+            Some(Warning::Unbounded(cut)) if wanted.surface => Some(Warning::UnboundedSurface(cut)),
+            other => other,
+        },
     }
 }
 
@@ -102,7 +104,7 @@ mod tests {
             assert!(is_about(&bounds, 2.0), "{text}: {bounds:?}");
             assert_eq!(warning, None, "{text}");
         }
-        assert_eq!(find("z^2", true, None).1, Some(Warning::UnboundedSurface));
+        assert_eq!(find("z^2", true, None).1, Some(Warning::UnboundedSurface(10)));
         assert_eq!(find("x^2+1", true, None).1, Some(Warning::EmptySurface));
         assert_eq!(find("(x^2+y^2+z^2-4)^2", false, None).1, Some(Warning::Empty));
     }

@@ -58,7 +58,7 @@
 //! assert!(warning.is_none() && picture.stats.inside > 1500);
 //!
 //! let program = convert(&ball.model, &Inputs::default(), Syntax::Vm)?;
-//! assert!(program.text.starts_with("_0 var-x\n_1 square _0\n"));
+//! assert!(program.text.contains("\n_0 var-x\n_1 square _0\n"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -79,7 +79,7 @@ pub use convert::{ConvertError, convert};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
-pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
+pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, MAX_OPERATIONS, formula, load};
 pub use measure::{MeasureError, MeasureRequest, Measured};
 pub use output::{OutputError, check_writable, write_beside, write_exr, write_png, write_rgb};
 pub use plot::{

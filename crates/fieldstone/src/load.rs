@@ -1,8 +1,8 @@
 //! Reading models from files and texts.
 
 use fieldstone_lang::{
-    Diagnostics, Dialect, HyperFunOptions, Model, Source, parse_formula, parse_hyperfun, parse_jsurf,
-    parse_vm,
+    Diagnostic, Diagnostics, Dialect, HyperFunOptions, Model, Source, parse_formula, parse_hyperfun,
+    parse_jsurf, parse_vm,
 };
 use std::fs::File;
 use std::io::{self, Read};
@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 
 /// A file larger than this is no model: 64 MiB.
 pub const MAX_FILE_BYTES: u64 = 64 << 20;
+
+/// A model with more operations than this would take hours to draw, and is refused: a million.
+pub const MAX_OPERATIONS: usize = 1_000_000;
 
 /// How to read a file.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -97,7 +100,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
         Some("jsurf") => parse_jsurf(&source)?,
         _ => parse_formula(&source)?,
     };
-    Ok(Loaded { model, source })
+    Ok(of_bearable_size(Loaded { model, source })?)
 }
 
 /// Reads a formula, negative inside: `x^2 + y^2 + z^2 - 1`.
@@ -106,7 +109,19 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
 /// Every place where the text is no formula.
 pub fn formula(text: &str) -> Result<Loaded, Diagnostics> {
     let source = Source::new("formula", text);
-    Ok(Loaded { model: parse_formula(&source)?, source })
+    of_bearable_size(Loaded { model: parse_formula(&source)?, source })
+}
+
+/// The model, or what is said of one with too many operations.
+fn of_bearable_size(loaded: Loaded) -> Result<Loaded, Diagnostics> {
+    let count = loaded.model.field.operation_count();
+    if count <= MAX_OPERATIONS {
+        return Ok(loaded);
+    }
+    let message = format!("the model has {count} operations, and at most {MAX_OPERATIONS} are drawn");
+    let error = Diagnostic::error(0..0, message, "this model");
+    let help = "every ray evaluates them many times: leave parts out, or write what repeats itself as a loop of HyperFun";
+    Err(Diagnostics { source: loaded.source, list: vec![error.with_help(help)] })
 }
 
 fn read_text(path: &Path) -> Result<String, LoadError> {
@@ -179,6 +194,17 @@ mod tests {
         let (_folder, path) = file("a.txt", b"x");
         File::options().write(true).open(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
         assert!(matches!(load(&path, &LoadOptions::default()), Err(LoadError::TooLarge(_))));
+    }
+
+    #[test]
+    fn programs_that_nobody_would_wait_for_are_refused() {
+        let chain = |count: usize| {
+            let lines = (0..count).map(|i| format!("_{} sin _{i}\n", i + 1));
+            kind_of("a.vm", &format!("_0 var-x\n{}", lines.collect::<String>()))
+        };
+        assert!(chain(100_000).is_ok());
+        let error = chain(MAX_OPERATIONS + 1).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains("the model has 1000001 operations, and at most 1000000 are drawn"), "{error}");
     }
 
     #[test]

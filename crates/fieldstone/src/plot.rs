@@ -21,6 +21,8 @@ pub use draw::PictureError;
 const SAMPLES: usize = 1500;
 /// How many roots are looked for.
 const MOST_ROOTS: usize = 64;
+/// How far along a ray one can look, relative to the longest side of the bounds.
+const FARTHEST: f64 = 1e9;
 /// How many spans are shown.
 const MOST_SPANS: usize = 4096;
 /// The step of the sampled method, relative to the size: what `render` takes.
@@ -98,6 +100,17 @@ pub enum PlotError {
     /// A span that is none.
     #[error("a span goes from a lower to a higher finite t, not from {0} to {1}")]
     Span(f64, f64),
+    /// A span that reaches farther than rays can be followed.
+    #[error(
+        "t = {t:e} is too far away: more than {FARTHEST:e} times the size of the solid ({size:.3e}), places on a ray \
+         cannot be told from each other"
+    )]
+    Far {
+        /// The end of the span.
+        t: f64,
+        /// The longest side of the bounds.
+        size: f64,
+    },
     /// The ray is nowhere in the bounds.
     #[error("the ray passes the solid by, far from its bounds: say with --span t0,t1 where to look along it")]
     Misses,
@@ -259,14 +272,20 @@ impl PlotRequest {
 
     /// The least and largest t.
     fn stretch(&self, resolved: &Resolved, origin: DVec3, direction: DVec3) -> Result<(f64, f64), PlotError> {
-        if let Some((start, end)) = self.span {
-            let is_good = start < end && (end - start).is_finite();
-            return if is_good { Ok((start, end)) } else { Err(PlotError::Span(start, end)) };
-        }
         let bounds = resolved.scene.bounds();
-        let span = bounds.ray_span(origin, direction).ok_or(PlotError::Misses)?;
-        let margin = 0.05 * bounds.longest_side();
-        Ok((span.enter - margin, span.exit + margin))
+        let size = bounds.longest_side();
+        let (start, end) = match self.span {
+            Some((start, end)) if start < end && (end - start).is_finite() => (start, end),
+            Some((start, end)) => return Err(PlotError::Span(start, end)),
+            None => {
+                let span = bounds.ray_span(origin, direction).ok_or(PlotError::Misses)?;
+                (span.enter - 0.05 * size, span.exit + 0.05 * size)
+            }
+        };
+        match [start, end].into_iter().find(|t| t.abs() > FARTHEST * size) {
+            Some(t) => Err(PlotError::Far { t, size }),
+            None => Ok((start, end)),
+        }
     }
 
     /// The chosen spans with what the field is over them.

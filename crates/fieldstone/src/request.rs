@@ -8,8 +8,11 @@ use fieldstone_render::Stats;
 use fieldstone_scene::{
     Ball, BallError, Bounds, BoundsError, Camera, CameraError, Scene, SceneError, Settings, Solid, Up, View,
 };
-use fieldstone_space::{Extent, FoundBounds};
+use fieldstone_space::{Extent, FoundBounds, SEARCHED};
 use std::fmt;
+
+/// From so many times the longest side of the bounds, points of rays are rounded by more than brackets are wide.
+const FAR: f64 = (1 << 18) as f64;
 
 /// What to draw of a model; what is not given is chosen so that the picture is good.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -42,8 +45,8 @@ pub struct Resolved {
 /// What may not be as expected of a picture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Warning {
-    /// No end of the solid was found.
-    Unbounded,
+    /// No end of the solid was found; it is cut off at so much on each side of the origin.
+    Unbounded(u32),
     /// There is no solid.
     Empty,
     /// No solid was found.
@@ -52,12 +55,14 @@ pub enum Warning {
     Undefined,
     /// The bounds rest on samples.
     SampledBounds,
-    /// No end of the surface was found.
-    UnboundedSurface,
+    /// No end of the surface was found; it is cut off likewise.
+    UnboundedSurface(u32),
     /// There is no surface.
     EmptySurface,
     /// There is nothing inside the sphere that clips.
     NothingInSphere,
+    /// The eye is so far away that rounding hides where rays meet the solid.
+    FarEye,
     /// No ray through the centre of a pixel hits anything.
     NothingSeen,
 }
@@ -66,7 +71,8 @@ impl Warning {
     /// What found bounds give reason to say.
     pub fn of_bounds(found: &FoundBounds) -> Option<Self> {
         match found.extent {
-            Extent::Unbounded => Some(Self::Unbounded),
+            // The corners are whole numbers up to ten millions.
+            Extent::Unbounded => Some(Self::Unbounded(found.max[0] as u32)),
             Extent::Empty => Some(Self::Empty),
             Extent::NotFound => Some(Self::NotFound),
             Extent::Undefined => Some(Self::Undefined),
@@ -86,9 +92,15 @@ impl Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Unbounded => "the solid has no end within ±1000: cut off at ±10 (choose with --bounds)",
+            Self::Unbounded(cut) => {
+                return write!(
+                    f,
+                    "no end of the solid was found within ±{SEARCHED}: cut off at ±{cut} (choose with --bounds)"
+                );
+            }
             Self::Empty => {
-                "there is no solid: the function is nowhere inside within ±1000 (--surface shows where it is 0)"
+                "there is no solid: the function is nowhere inside within ±1000 (--surface shows where it is 0; \
+                 farther out, say where with --bounds)"
             }
             Self::NotFound => "no solid was found within ±1000, but there may be one: looking within ±10",
             Self::Undefined => "the function has no value anywhere",
@@ -96,11 +108,19 @@ impl fmt::Display for Warning {
                 "the bounds rest on samples, because nothing can be proved about the function in places \
                  (if something is cut off, use --bounds)"
             }
-            Self::UnboundedSurface => {
-                "the surface has no end within ±1000: cut off at ±10 (choose with --bounds or --clip-sphere)"
+            Self::UnboundedSurface(cut) => {
+                return write!(
+                    f,
+                    "no end of the surface was found within ±{SEARCHED}: cut off at ±{cut} (choose with --bounds or \
+                     --clip-sphere)"
+                );
             }
             Self::EmptySurface => "there is no surface: the function is nowhere 0 within ±1000",
             Self::NothingInSphere => "nothing was found inside the sphere of --clip-sphere",
+            Self::FarEye => {
+                "the eye is so far away that rounding hides where rays meet the solid: much rests on a tolerance \
+                 (choose --eye nearer, or a parallel view with --ortho)"
+            }
             Self::NothingSeen => {
                 "nothing is to be seen: no ray of the picture hits anything (look at --eye, --target, --bounds)"
             }
@@ -165,6 +185,8 @@ impl RenderRequest {
         let aspect = f64::from(width.max(1)) / f64::from(height.max(1));
         let view = presentation::view(&self.view, &model.presentation);
         let camera = Camera::framing(&bounds, &view, up, aspect)?;
+        let distance = (camera.eye() - bounds.centre()).length();
+        let far = (distance > FAR * bounds.longest_side()).then_some(Warning::FarEye);
         let solid = Solid::new(model.field.clone(), bindings, bounds)
             .with_caps(!self.open)
             .with_surface(surface)
@@ -173,7 +195,7 @@ impl RenderRequest {
         let solid = presentation::with_materials(solid, &model.presentation, coloured)?;
         let lighting = presentation::lighting(&model.presentation, &camera);
         let scene = Scene::new(vec![solid], camera, lighting, self.settings)?;
-        Ok(Resolved { scene, warnings: warning.into_iter().collect() })
+        Ok(Resolved { scene, warnings: warning.into_iter().chain(far).collect() })
     }
 }
 
@@ -218,13 +240,24 @@ mod tests {
     #[test]
     fn warnings_name_what_is_strange() {
         let warnings = |text: &str| resolve(text, &RenderRequest::default()).unwrap().warnings;
-        assert_eq!(warnings("x"), [Warning::Unbounded]);
+        assert_eq!(warnings("x"), [Warning::Unbounded(10)]);
         assert_eq!(warnings("x^2 + 1"), [Warning::Empty]);
         assert_eq!(warnings("sqrt(-1 - x^2)"), [Warning::Undefined]);
         // A logarithm has a domain, where it is proved that nothing is; 0/0 has none that is known.
         assert_eq!(warnings("max(x^2 + y^2 + z^2 - 1, 0 - log(x + 0.5)^2)"), []);
         let quotient = "x^2 + y^2 + z^2 - 1 + max(x + 0.5, 0)/max(x + 0.5, 0)*0.001";
         assert_eq!(warnings(quotient), [Warning::SampledBounds]);
+    }
+
+    #[test]
+    fn far_eyes_are_told() {
+        let from = |x: f64| {
+            let view = View { eye: Some(DVec3::new(x, 0.0, 0.0)), ..View::default() };
+            resolve("x^2 + y^2 + z^2 - 1", &RenderRequest { view, ..RenderRequest::default() })
+                .unwrap()
+                .warnings
+        };
+        assert_eq!((from(1e4), from(1e9)), (vec![], vec![Warning::FarEye]));
     }
 
     #[test]

@@ -64,7 +64,8 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error at `span`.
     pub fn error(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Self {
-        Self { severity: Severity::Error, message: message.into(), span, label: label.into(), help: None }
+        let (message, label) = (shortened(message.into()), shortened(label.into()));
+        Self { severity: Severity::Error, message, span, label, help: None }
     }
 
     /// A warning at `span`.
@@ -74,7 +75,7 @@ impl Diagnostic {
 
     /// Adds what to do about it.
     pub fn with_help(self, help: impl Into<String>) -> Self {
-        Self { help: Some(help.into()), ..self }
+        Self { help: Some(shortened(help.into())), ..self }
     }
 
     /// The message with file, line, column, the source line and carets under it, as plain text.
@@ -100,6 +101,28 @@ impl Diagnostic {
         }
         Renderer::plain().render(&[group])
     }
+}
+
+/// A text for a message, in which words from a source that nobody would read to the end are cut in their middles.
+fn shortened(text: String) -> String {
+    /// The most letters of a word, and of a text.
+    const LONGEST: (usize, usize) = (300, 2000);
+    /// How many letters are left on each side of a cut.
+    const LEFT: usize = 40;
+    let cut = |part: &str, longest: usize, left: usize| {
+        let count = part.chars().count();
+        if count <= longest {
+            return part.to_owned();
+        }
+        let (first, last) = (part.chars().take(left), part.chars().skip(count - left));
+        first.chain(['…']).chain(last).collect()
+    };
+    // No text so short has a long word.
+    if text.len() <= LONGEST.0 {
+        return text;
+    }
+    let words: String = text.split_inclusive(char::is_whitespace).map(|w| cut(w, LONGEST.0, LEFT)).collect();
+    cut(&words, LONGEST.1, LONGEST.1 / 2)
 }
 
 /// The lines of a text that a message is about.
@@ -202,6 +225,18 @@ mod tests {
         let text = rendered(&long, 3 * 30_000..3 * 30_000 + 2);
         assert!(text.contains("name:1:60001") && text.len() < 2_000, "{text}");
         assert!(rendered(&long, 0..long.len()).len() < 40_000);
+    }
+
+    #[test]
+    fn long_words_are_cut_in_messages() {
+        let word = "é".repeat(100_000);
+        let message = format!("`{word}` has no meaning here");
+        let warning = Diagnostic::warning(0..word.len(), message, word.clone()).with_help(word);
+        let few = |text: &str| text.chars().count() < 120 && text.contains("éé…éé");
+        assert!(few(&warning.message) && few(&warning.label) && warning.help.as_deref().is_some_and(few));
+        assert!(warning.message.starts_with("`éé") && warning.message.ends_with("é` has no meaning here"));
+        let many = Diagnostic::error(0..0, "a ".repeat(100_000), "x".repeat(255));
+        assert!(many.message.len() < 2_100 && many.label.len() == 255);
     }
 
     #[test]

@@ -37,3 +37,13 @@ fn random_programs_are_read_or_refused() {
 fn random_surfaces_are_read_or_refused() {
     read(&Language::all()[3], 12_000);
 }
+
+/// At the point of the check the first loop takes 18 of 20 turns and leaves too few to the second one; in the box around
+/// it the condition of the first has no value.
+#[test]
+fn a_set_trusts_no_loop_behind_one_whose_condition_has_no_value() {
+    let text =
+        "my_model(x[3], a[1]) { e = 17.9 + sqrt(0.705 - x[1]); i = 0; while i < e loop i = i + 1; endloop;
+        j = 0; if x[1] > 5 then j = i; endif; while j < x[3]*4 loop j = j + 1; endloop; my_model = j; }";
+    assert!(Language::all()[0].check(&mut Chance::new(1), text.to_owned()));
+}

@@ -3,7 +3,7 @@
 use crate::jump::Probe;
 use fieldstone_field::{F64, Gradients, LANES, Points, Reading, Tape, TapeOptions, Workspace};
 use fieldstone_scene::{Appearance, Method, RaySpan, Scene, Solid};
-use fieldstone_trace::{Certificate, Outcome, Ray, Settings, Tracer};
+use fieldstone_trace::{Certificate, Hit, Outcome, Ray, Settings, Tracer};
 use glam::DVec3;
 
 /// The step of the sampled method, relative to the longest side of the bounds.
@@ -39,6 +39,8 @@ pub(crate) struct Surface {
     pub(crate) behind: DVec3,
     /// The normal of a cap, where the bounds cut the solid.
     cap: Option<DVec3>,
+    /// Whether the sign changes there without a root: the gradient says nothing of the surface.
+    jump: bool,
     /// Whether it is seen from where the field is negative.
     pub(crate) from_inside: bool,
     /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
@@ -132,7 +134,8 @@ impl<'s> Prepared<'s> {
                     let slope = |axis: usize| asker.gradients.output(0, 1 + axis)[lane];
                     let (surface, direction) = &hits[i];
                     let gradient = DVec3::new(slope(0), slope(1), slope(2));
-                    let normal = surface.cap.or_else(|| gradient.try_normalize()).filter(|n| n.is_finite());
+                    let smooth = || gradient.try_normalize().filter(|n| n.is_finite() && !surface.jump);
+                    let normal = surface.cap.or_else(smooth);
                     let normal =
                         normal.unwrap_or_else(|| solid.probe_normal(&mut asker.points, surface, *direction));
                     normals[i] = if normal.dot(*direction) > 0.0 { -normal } else { normal };
@@ -226,6 +229,7 @@ impl<'s> PreparedSolid<'s> {
                 before,
                 behind,
                 cap: Some(normal),
+                jump: false,
                 from_inside: false,
                 gradient_place: at(t),
             }
@@ -240,7 +244,8 @@ impl<'s> PreparedSolid<'s> {
                 let hair = self.settings.tolerance * self.settings.size;
                 let gradient_place = if hit.touching { at(hit.t - hair) } else { 0.5 * (before + behind) };
                 let from_inside = !hit.entering;
-                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, from_inside, gradient_place })
+                let Hit { t, jump, .. } = hit;
+                Some(Surface { part: 0, t, before, behind, cap: None, jump, from_inside, gradient_place })
             }
             (None, Some(span)) if outcome.ends_inside && capped && ray.end >= span.exit => {
                 Some(cap(span.exit, span.exit_normal, -1.0))

@@ -9,7 +9,7 @@
 //! - the [`Camera`]'s axes are orthonormal, its field of view lies between 0 and π, its height is positive;
 //! - directions to [`Light`]s are unit vectors, colours are finite and not negative;
 //! - the image has at least one pixel and at most [`MAX_PIXELS`], and at least one sample a pixel;
-//! - steps and tolerances are finite and positive, and steps at least [`MIN_STEP`].
+//! - steps and tolerances are positive and at most [`MAX_LENGTH`], and steps at least [`MIN_STEP`].
 //!
 //! Colours are linear RGB throughout; [`srgb_to_linear`] and [`linear_to_srgb`] stand at the border. Space is
 //! right-handed, angles are radians, and image coordinates run from the upper left corner. The result is a [`Film`].
@@ -32,5 +32,7 @@ pub use colour::{Background, Rgb, linear_to_srgb, srgb_to_linear};
 pub use film::{CHANNELS, Film, Pixel};
 pub use light::{Illumination, Light, LightError, LightSource, Lighting};
 pub use material::{Appearance, Channel, Material, MaterialError, Shading, Texture};
-pub use scene::{MAX_BOUNCES, MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings};
+pub use scene::{
+    MAX_BOUNCES, MAX_LENGTH, MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings,
+};
 pub use solid::{Blended, Condition, Instance, NORMAL_INPUTS, Part, Solid, Tree};

@@ -19,6 +19,9 @@ pub const MIN_STEP: f64 = 1e-6;
 /// The most bounces of a ray.
 pub const MAX_BOUNCES: u32 = 64;
 
+/// The longest step, accepted width or tolerance, relative to the longest side of the bounds.
+pub const MAX_LENGTH: f64 = 0.5;
+
 /// The most samples that a pixel may have.
 pub const MAX_SAMPLES: u32 = 4096;
 
@@ -57,6 +60,14 @@ pub enum SceneError {
     #[error("the {name} is a positive number, not {}", Number(*value))]
     Length {
         /// Which it is: `step`, `accepted width` or `tolerance`.
+        name: &'static str,
+        /// What was asked for.
+        value: f64,
+    },
+    /// A step or tolerance longer than [`MAX_LENGTH`].
+    #[error("the {name} is at most {MAX_LENGTH} of the longest side of the bounds, not {}", Number(*value))]
+    Long {
+        /// Which it is, as above.
         name: &'static str,
         /// What was asked for.
         value: f64,
@@ -115,11 +126,18 @@ impl Method {
     }
 }
 
-/// That lengths, where they are given, are positive and finite.
+/// That lengths, where they are given, are positive and at most [`MAX_LENGTH`].
 pub(crate) fn check_lengths(lengths: &[(&'static str, Option<f64>)]) -> Result<(), SceneError> {
-    let is_bad = |value: &f64| !(*value > 0.0 && value.is_finite());
-    let bad = lengths.iter().find_map(|&(name, length)| length.filter(is_bad).map(|value| (name, value)));
-    bad.map_or(Ok(()), |(name, value)| Err(SceneError::Length { name, value }))
+    for &(name, length) in lengths {
+        match length {
+            Some(value) if !(value > 0.0 && value.is_finite()) => {
+                return Err(SceneError::Length { name, value });
+            }
+            Some(value) if value > MAX_LENGTH => return Err(SceneError::Long { name, value }),
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// How a scene is drawn.
@@ -298,6 +316,8 @@ mod tests {
         assert_eq!(with(|s| s.samples = 0), Err(SceneError::Samples(0)));
         let length = |name, value| Err(SceneError::Length { name, value });
         assert_eq!(with(|s| s.tolerance = Some(0.0)), length("tolerance", 0.0));
+        let long = |value| Err(SceneError::Long { name: "tolerance", value });
+        assert_eq!(with(|s| s.tolerance = Some(2.0)), long(2.0));
         assert_eq!(with(|s| s.method = Method::Sampled { step: Some(-1.0) }), length("step", -1.0));
         assert_eq!(with(|s| s.method = Method::Sampled { step: Some(1e-12) }), Err(SceneError::Step(1e-12)));
         let epsilon = Method::Interval { accept_epsilon: Some(f64::INFINITY) };

@@ -19,8 +19,14 @@ use std::collections::BinaryHeap;
 /// The bounds of a solid for which none were found: lower and upper corner.
 pub const DEFAULT_BOUNDS: ([f64; 3], [f64; 3]) = ([-10.0; 3], [10.0; 3]);
 
-/// Half the side of the cube that is searched first, and of the one that is searched if that does not hold the solid.
-const SEARCHES: [f64; 2] = [10.0, 1000.0];
+/// Half the sides of the cubes that are searched, one after the other, until one holds the solid.
+const SEARCHES: [f64; 4] = [10.0, 1e3, 1e5, SEARCHED];
+
+/// Nothing beyond ±10⁷ is searched.
+pub const SEARCHED: f64 = 1e7;
+
+/// A cube larger than this is searched only for what inclusion alone can tell.
+const LARGEST_SAMPLED: f64 = 1e3;
 
 /// The hull is complete when the solid exceeds it by less than this part of its longest side.
 const MARGIN: f64 = 1.0 / 256.0;
@@ -38,23 +44,25 @@ const BARREN: f64 = 1.0 / 16.0;
 /// A cell longer than this part of the search box is never given up for its samples.
 const COARSEST: f64 = 1.0 / 16.0;
 
-/// How many cells a search may give up after sampling them.
+/// How many cells a search may give up after sampling them, at most and at any rate.
 const MOST_SAMPLED: usize = 25_000;
+const LEAST_SAMPLED: usize = 2;
 
-/// How many operations on cells a search may take, over all cells.
+/// How many operations on cells a search may take, over all cells, counted in additions.
 const MOST_OPERATIONS: usize = 150_000_000;
 
-/// How many cells a search may evaluate at most.
+/// How many cells a search may evaluate at most, and how many at any rate.
 const MOST_CELLS: usize = 100_000;
+const LEAST_CELLS: usize = 2 * LANES;
 
 /// What is known about the extent of a solid.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Extent {
     /// The box holds it.
     Bounded,
-    /// It reaches beyond ±1000 along an axis.
+    /// It reaches beyond ±[`SEARCHED`] along an axis, or at least beyond ±1000, and no end of it was proved.
     Unbounded,
-    /// The field is nowhere negative within ±1000.
+    /// The field is nowhere negative within ±[`SEARCHED`], or at least within ±1000.
     Empty,
     /// No place was found where the field is negative, and no proof that there is none.
     NotFound,
@@ -69,7 +77,8 @@ pub struct FoundBounds {
     pub min: [f64; 3],
     /// The corner with the largest coordinates.
     pub max: [f64; 3],
-    /// Whether that is the solid's own box ([`Extent::Bounded`]), or [`DEFAULT_BOUNDS`] for want of one.
+    /// Whether that is the solid's own box ([`Extent::Bounded`]), or [`DEFAULT_BOUNDS`] for want of one. Of a solid
+    /// without an end, it is the first of the cubes ±10, ±10³, ±10⁵, ±10⁷ in which some of it was found.
     pub extent: Extent,
     /// Whether `extent` rests on inclusion alone. Where the field may be undefined, or the search was cut short, it
     /// rests on samples too.
@@ -79,8 +88,8 @@ pub struct FoundBounds {
 /// Finds a box around the places where the field is negative, a little larger than needed.
 ///
 /// The search starts in \[−10, 10\]³; a solid that touches the faces of that, or of which nothing is in it, is searched
-/// in \[−1000, 1000\]³. The box exceeds the solid by about 1 % of its longest side, 7 %
-/// where that rests on samples.
+/// in cubes a hundred times as large, up to ±[`SEARCHED`]. The box exceeds the solid by about 1 % of its longest side,
+/// 7 % where that rests on samples, which it may within ±1000 only.
 ///
 /// ```
 /// use fieldstone_field::{Bindings, Field, Graph, Input};
@@ -103,16 +112,30 @@ pub fn solid_bounds(field: &Field, bindings: &Bindings) -> FoundBounds {
     let options =
         TapeOptions { bindings: bindings.clone(), reading: Reading::Sign, ..TapeOptions::default() };
     let tape = Tape::new(field, &options);
-    let mut found = Finding::default();
+    let (mut found, mut endless) = (Finding::default(), None);
     for half in SEARCHES {
         let search = Search::new(&tape, half).finish();
-        match search.outcome() {
-            Some(bounds) => return bounds,
-            None => found = search.finding,
+        let outcome = search.outcome();
+        if let Some(bounds) = outcome.filter(|bounds| bounds.proved || half <= LARGEST_SAMPLED) {
+            return bounds;
         }
-        if found.touches && half == SEARCHES[1] {
-            return nothing(Extent::Unbounded, found.proved);
+        endless = endless.or(search.finding.touches.then_some(half));
+        if half <= LARGEST_SAMPLED {
+            found = search.finding;
         }
+        // What is not proved here is not farther out either, and a dear program is not asked again.
+        let is_vain = search.is_dear || !search.finding.touches && !search.finding.proved;
+        if half >= LARGEST_SAMPLED && is_vain {
+            break;
+        }
+    }
+    if let Some(half) = endless {
+        return FoundBounds {
+            min: [-half; 3],
+            max: [half; 3],
+            extent: Extent::Unbounded,
+            proved: found.proved,
+        };
     }
     let extent = match found {
         Finding { any_value: false, .. } => Extent::Undefined,
@@ -176,13 +199,18 @@ struct Search<'t> {
     queue: BinaryHeap<(Urgency, Cell)>,
     cells_left: usize,
     sampled_left: usize,
+    /// How many lines may be followed outward.
+    lines_left: usize,
+    /// Whether the program is so long that few cells and samples can be afforded.
+    is_dear: bool,
     finding: Finding,
 }
 
 impl<'t> Search<'t> {
     fn new(tape: &'t Tape, half: f64) -> Self {
         let root = Cell { lo: [-half; 3], hi: [half; 3] };
-        let affordable = MOST_OPERATIONS / tape.len().max(1);
+        let share = if half > LARGEST_SAMPLED { 8 } else { 1 };
+        let affordable = MOST_OPERATIONS / share / tape.cost().max(1);
         let mut search = Self {
             tape,
             sets: Workspace::new(),
@@ -190,8 +218,10 @@ impl<'t> Search<'t> {
             root,
             hull: None,
             queue: BinaryHeap::new(),
-            cells_left: affordable.clamp(4 * LANES, MOST_CELLS),
-            sampled_left: (4 * affordable / LANES).clamp(LANES, MOST_SAMPLED),
+            lines_left: 2 * affordable / LANES,
+            is_dear: affordable < LEAST_CELLS,
+            cells_left: affordable.clamp(LEAST_CELLS, MOST_CELLS),
+            sampled_left: (4 * affordable / LANES).clamp(LEAST_SAMPLED, MOST_SAMPLED),
             finding: Finding::default(),
         };
         search.push(root, true);
@@ -345,7 +375,9 @@ impl<'t> Search<'t> {
         self.hull = Some(hull);
         for side in 0..6 {
             let known = before.map_or(f64::NEG_INFINITY, |b| b.reach(side));
-            if hull.reach(side) > known + hull.cell.longest_side().1 * MARGIN {
+            let is_farther = hull.reach(side) > known + hull.cell.longest_side().1 * MARGIN;
+            if is_farther && self.lines_left > 0 {
+                self.lines_left -= 1;
                 self.follow(side, hull.outermost[side]);
             }
         }

@@ -3,5 +3,5 @@
 mod bounds;
 mod measure;
 
-pub use bounds::{DEFAULT_BOUNDS, Extent, FoundBounds, solid_bounds};
+pub use bounds::{DEFAULT_BOUNDS, Extent, FoundBounds, SEARCHED, solid_bounds};
 pub use measure::{Corners, Enclosure, MeasureOptions, Measures, measure};

@@ -100,6 +100,8 @@ pub struct Measures {
     pub undefined: f64,
     /// Whether volume and area are as close as was asked.
     pub reached: bool,
+    /// Whether no more cells could be kept, so that more operations would change nothing.
+    pub full: bool,
     /// How many cells were looked at.
     pub cells: u64,
 }
@@ -277,7 +279,12 @@ impl<'p> Octree<'p> {
         let each = 8 * (2 * self.pieces.values.len() + self.pieces.gradients.len() / 2)
             + 4 * examine::PLANE_OPERATIONS;
         let in_time = usize::try_from(operations / each as u64).unwrap_or(usize::MAX);
-        in_time.min(MOST_CELLS.saturating_sub(self.open_cells().count()) / 4)
+        in_time.min(self.room())
+    }
+
+    /// How many cells may be divided before there are too many.
+    fn room(&self) -> usize {
+        MOST_CELLS.saturating_sub(self.open_cells().count()) / 4
     }
 
     /// Divides the cells of a class, `most` of them at most. They stand in the order of the octree, so that the first
@@ -325,6 +332,7 @@ impl<'p> Octree<'p> {
             inner: inner.map(corners),
             undefined: undefined.fold(0.0, |sum, open| sum + totals::volume(&self.grid.extent(open.cell)).hi),
             reached: volume.is_within(tolerance) && area.is_within(tolerance),
+            full: self.room() == 0,
             cells: self.cells,
         }
     }

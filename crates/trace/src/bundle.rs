@@ -217,7 +217,7 @@ impl Tracer {
             }
             outcome.ends_inside = found.ends_inside;
             outcome.hit = found.hit;
-            next[job.place].1 = Some(found.starts_inside);
+            next[job.place].1 = Some(found.ends_inside);
         });
         next.retain(|&(ray, _)| !bundle.is_done(ray));
         next

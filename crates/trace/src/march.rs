@@ -11,6 +11,7 @@
 //! numbers in place of the floating-point modulus. Differences: outward rounding everywhere, candidates, certificates
 //! for misses.
 
+mod pole;
 mod touch;
 
 use crate::ray::{Certificate, Hit, Method, Outcome, Ray, Settings};
@@ -135,9 +136,14 @@ struct Lane {
     end: f64,
     walk: Walk,
     wish: Wish,
+    /// Whether the field is negative at the front, as far as that is known: where nothing has been passed but poles, where
+    /// the ray starts.
     inside: bool,
+    started_inside: bool,
     candidate: Option<Hit>,
     certificate: Certificate,
+    /// The bracket around the last pole of a surface.
+    pole: Option<(f64, f64)>,
     /// What has been searched for touching points.
     searched: Searched,
     cost: u32,
@@ -319,8 +325,10 @@ impl Lane {
             walk,
             wish,
             inside: job.inside.unwrap_or(false),
+            started_inside: job.inside.unwrap_or(false),
             candidate: None,
             certificate: Certificate::Certified,
+            pole: None,
             searched: Searched::NOTHING,
             cost: 0,
             endless: 0,
@@ -329,7 +337,7 @@ impl Lane {
     }
 
     fn outcome(&self) -> Outcome {
-        let starts_inside = self.inside;
+        let starts_inside = self.started_inside;
         let touching = self.candidate.is_some_and(|hit| hit.touching);
         let least = if touching { Certificate::Tolerance } else { Certificate::Certified };
         Outcome {
@@ -337,7 +345,7 @@ impl Lane {
             certificate: self.certificate.max(least),
             cost: self.cost,
             starts_inside,
-            ends_inside: starts_inside && self.candidate.is_none(),
+            ends_inside: self.inside && self.candidate.is_none(),
         }
     }
 
@@ -498,6 +506,7 @@ impl Lane {
             Wish::Start => {
                 let value = next();
                 self.inside = self.defined(value) < 0.0;
+                self.started_inside = self.inside;
                 self.wish = if self.inside && settings.caps { Wish::Done } else { Wish::Span };
             }
             Wish::Ends { a, b } => {
@@ -526,7 +535,8 @@ impl Lane {
         let (fa, fb) = (self.defined(near.1), self.defined(far.1));
         let (start, stop) = self.span();
         if self.is_across(fb, settings) && !self.is_across(fa, settings) {
-            if settings.any_hit {
+            // At a pole of a surface there is no hit: a solve tells.
+            if settings.any_hit && !settings.surface {
                 return self.accept(near.0, far.0);
             }
             let solver = Solver::new((near.0, fa), (far.0, fb), settings.tolerance * settings.size);
@@ -573,6 +583,7 @@ impl Lane {
     fn continue_solve(&mut self, solver: Solver, settings: &Settings) {
         match solver.wants() {
             Some(_) => self.wish = Wish::Solve(solver),
+            None if settings.surface && self.is_at_pole(&solver) => self.pass_pole(solver.bracket()),
             None => self.settle(solver.bracket(), settings),
         }
     }
@@ -588,7 +599,12 @@ impl Lane {
         // Continuous fields are nearly 0 at both ends of so short a bracket.
         let jump = near.1.abs().min(far.1.abs()) > 1e-3 && far.0 - near.0 <= width;
         let entering = !self.inside;
-        self.make_candidate(Hit { t, before, after: far.0, entering, jump, touching: false });
+        let hit = Hit { t, before, after: far.0, entering, jump, touching: false };
+        if settings.any_hit {
+            self.candidate = Some(hit);
+            return self.wish = Wish::Done;
+        }
+        self.make_candidate(hit);
     }
 
     /// Takes a hit for the first, and looks at what lies before it.

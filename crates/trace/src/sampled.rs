@@ -20,7 +20,9 @@ struct Walker {
     value: f64,
     /// The step before this one.
     last: (f64, f64),
+    /// Whether the field was negative at the last step, and where the ray starts: the same, but for poles.
     inside: Option<bool>,
+    started_inside: Option<bool>,
     solver: Option<Solver>,
     /// A search for a touching point, and below which |f| it is one.
     search: Option<(Minimiser, f64)>,
@@ -39,6 +41,7 @@ impl Walker {
             value: 0.0,
             last: (ray.start, 0.0),
             inside,
+            started_inside: inside,
             solver: None,
             search: None,
             hit: None,
@@ -63,6 +66,7 @@ impl Walker {
         // An undefined value counts as outside.
         let value = if value.is_nan() { f64::MAX } else { value };
         let inside = *self.inside.get_or_insert(value < 0.0);
+        self.started_inside.get_or_insert(inside);
         let crossed = (value < 0.0) != inside && !(settings.surface && value == 0.0);
         if let Some(solver) = &mut self.solver {
             solver.supply(value);
@@ -86,7 +90,7 @@ impl Walker {
             self.undefined |= self.cost >= MOST_STEPS;
             self.done = self.solver.is_none() && self.search.is_none() && (at_end || self.cost >= MOST_STEPS);
         }
-        self.finish_solve();
+        self.finish_solve(settings);
     }
 
     /// Begins a search between the last step but one and this one if |f| is least at the last.
@@ -113,9 +117,16 @@ impl Walker {
         self.search = None;
     }
 
-    fn finish_solve(&mut self) {
+    fn finish_solve(&mut self, settings: &Settings) {
         let Some(solver) = &self.solver else { return };
         if solver.wants().is_some() {
+            return;
+        }
+        if settings.surface && solver.is_at_pole() {
+            // No part of a surface: on from the step behind it.
+            self.inside = self.inside.map(|inside| !inside);
+            (self.solver, self.search) = (None, None);
+            (self.last, self.done) = ((self.t, self.value), self.t >= self.job.ray.end);
             return;
         }
         let [near, far] = solver.bracket();
@@ -129,8 +140,8 @@ impl Walker {
     fn outcome(&self, black_box: bool) -> Outcome {
         let certificate =
             if black_box || self.undefined { Certificate::Undecided } else { Certificate::Tolerance };
-        let starts_inside = self.inside == Some(true);
-        let ends_inside = starts_inside && self.hit.is_none();
+        let starts_inside = self.started_inside == Some(true);
+        let ends_inside = self.inside == Some(true) && self.hit.is_none();
         Outcome { hit: self.hit, certificate, cost: self.cost, starts_inside, ends_inside }
     }
 }

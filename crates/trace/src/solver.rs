@@ -15,14 +15,21 @@ pub(crate) struct Solver {
     trial: f64,
     tolerance: f64,
     turns: u32,
+    /// The width of the first bracket, and the smaller |f| at its ends.
+    first: (f64, f64),
 }
+
+/// The smaller |f| of the first bracket grows by more than this at a pole.
+const POLE: f64 = 16.0;
 
 impl Solver {
     /// Starts from the bracket \[near, far\] with values of different sign.
     pub(crate) fn new(near: (f64, f64), far: (f64, f64), tolerance: f64) -> Self {
         let (a, b) = (far, near);
+        let (fa, fb) = (a.1, b.1);
+        let first = ((far.0 - near.0).abs(), fa.abs().min(fb.abs()));
         let mut solver =
-            Self { a: a.0, fa: a.1, b: b.0, fb: b.1, c: b.0, fc: b.1, trial: 0.0, tolerance, turns: 0 };
+            Self { a: a.0, fa, b: b.0, fb, c: b.0, fc: fb, trial: 0.0, tolerance, turns: 0, first };
         // The secant, for a start: brackets are short.
         let fraction = (a.1 / (a.1 - b.1)).clamp(0.0, 1.0);
         solver.trial = solver.place(if fraction.is_nan() { 0.5 } else { fraction });
@@ -68,6 +75,14 @@ impl Solver {
         self.a + fraction.clamp(margin, 1.0 - margin) * (self.b - self.a)
     }
 
+    /// Whether |f| has grown as it does at a pole of order 1 or more, like the inverse of the width, and neither at a root
+    /// nor at a jump.
+    pub(crate) fn is_at_pole(&self) -> bool {
+        let (width, value) = self.first;
+        let growth = self.fa.abs().min(self.fb.abs()) / value;
+        growth > POLE && growth * growth > width / (self.b - self.a).abs()
+    }
+
     /// The final bracket, nearer end first, each end with its value.
     pub(crate) fn bracket(&self) -> [(f64, f64); 2] {
         let (p, q) = ((self.a, self.fa), (self.b, self.fb));
@@ -104,6 +119,26 @@ mod tests {
             assert!(lo.0 <= root && root <= hi.0, "{root} is not in [{}, {}]", lo.0, hi.0);
             assert!(hi.0 - lo.0 <= 1e-12 && turns <= most, "{} after {turns} turns", hi.0 - lo.0);
             assert!((lo.1 < 0.0) != (hi.1 < 0.0));
+        }
+    }
+
+    #[test]
+    fn poles_are_told_from_roots_and_jumps() {
+        /// A function and whether it has a pole at 1.3.
+        type Case = (fn(f64) -> f64, bool);
+        let cases: [Case; 5] = [
+            (|x| 1.0 / (x - 1.3), true),
+            (|x| 1e-3 / (x - 1.3).powi(3) + 0.01, true),
+            (|x| (x - 1.3) * 1e6, false),
+            (|x| if x < 1.3 { x - 0.999 } else { -1e9 }, false),
+            (|x| (x - 1.3).cbrt(), false),
+        ];
+        for (i, (f, is_pole)) in cases.into_iter().enumerate() {
+            let mut s = Solver::new((1.0, f(1.0)), (2.0, f(2.0)), 1e-9);
+            while let Some(x) = s.wants() {
+                s.supply(f(x));
+            }
+            assert_eq!(s.is_at_pole(), is_pole, "{i}: {s:?}");
         }
     }
 }

@@ -245,3 +245,37 @@ fn shadow_rays_leave_a_touched_surface_and_stop_at_the_next() {
         assert!(trace(&sphere, towards([1.0, 0.0, 0.0]), &any).hit.is_some());
     }
 }
+
+#[test]
+fn poles_are_no_part_of_a_surface() {
+    // 1/x − 1: a pole at 0, a root at 1; the ray starts at −3. And 1/x alone.
+    let with = |shift: f64| {
+        let mut g = Graph::new();
+        let x = g.input(Input::Coordinate(0));
+        let (inverse, shift) = (g.recip(x), g.constant(shift));
+        let value = g.sub(inverse, shift);
+        Field::new(g, value, Vec::new())
+    };
+    let methods = [
+        Settings::new(6.0),
+        Settings { method: Method::Interval { accept_epsilon: None }, tolerance: 1e-6, ..Settings::new(6.0) },
+        Settings { method: Method::Sampled { step: 0.05 }, tolerance: 1e-6, ..Settings::new(6.0) },
+    ];
+    let ray = Ray { origin: [-3.0, 0.1, 0.2], direction: [1.0, 0.0, 0.0], start: 0.0, end: 6.01 };
+    for settings in methods.map(|settings| Settings { surface: true, ..settings }) {
+        for any_hit in [false, true] {
+            let settings = Settings { any_hit, ..settings };
+            let outcome = |field: &Field| {
+                let options = TapeOptions { reading: Reading::Sign, ..TapeOptions::default() };
+                Tracer::new().first_hits(&Tape::new(field, &options), &[ray], &settings)[0]
+            };
+            let nothing = outcome(&with(0.0));
+            assert!(nothing.hit.is_none() && nothing.starts_inside && !nothing.ends_inside, "{nothing:?}");
+            assert!(nothing.certificate > Certificate::Certified && nothing.cost < 1000, "{nothing:?}");
+            let behind = outcome(&with(1.0)).hit.expect("the root behind the pole");
+            assert!((behind.t - 4.0).abs() < 1e-4 && behind.entering, "{behind:?}");
+            let before = outcome(&with(-1.0)).hit.expect("the root before the pole");
+            assert!((before.t - 2.0).abs() < 1e-4 && before.entering, "{before:?}");
+        }
+    }
+}

@@ -66,7 +66,7 @@ fn a_surface_is_shown_in_its_ball_without_a_word_of_solids() {
     assert!(!run.out.contains("bounds") && !run.out.contains("warning"), "{}", run.out);
     assert_eq!(json(&place, &["check", "plane.jsurf", "--json"], 0)["warnings"], serde_json::json!([]));
     place.file("plane.txt", "x");
-    assert!(place.run(&["check", "plane.txt"], "").out.contains("warning: the solid has no end"));
+    assert!(place.run(&["check", "plane.txt"], "").out.contains("warning: no end of the solid"));
 }
 
 #[test]

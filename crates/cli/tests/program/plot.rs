@@ -21,7 +21,7 @@ fn a_ray_as_svg_and_as_png() {
 #[test]
 fn what_cannot_be_plotted() {
     let place = Place::new();
-    let cases: [(&[&str], i32, &str); 8] = [
+    let cases: [(&[&str], i32, &str); 10] = [
         (&["-o", "a.svg"], 2, "--ray"),
         (&["--ray", "0,0,0,1,0,0", "-o", "a.gif"], 2, "the plot must be a .svg or .png file"),
         (&["--ray", "0,0,0,1,0", "-o", "a.svg"], 2, "6 numbers"),
@@ -29,6 +29,8 @@ fn what_cannot_be_plotted() {
         (&["--ray", "0,9,0,1,0,0", "-o", "a.svg"], 2, "--span t0,t1"),
         (&["--ray", "0,0,0,1,0,0", "--spans", "0", "-o", "a.svg"], 2, "from 1 to 4096 spans"),
         (&["--through", "900,1", "-o", "a.svg"], 2, "there is no pixel 900,1"),
+        (&["--through", "-1,0", "-o", "a.svg"], 2, "`-1,0` is not a pixel: write 256,100, counted from 0,0"),
+        (&["--ray", "0,0,0,1,0,0", "--span", "0,1e20", "-o", "a.svg"], 2, "t = 1e20 is too far away"),
         (&["--ray", "0,0,0,1,0,0", "-o", "none/a.svg"], 1, "there is no folder none"),
     ];
     for (arguments, code, message) in cases {

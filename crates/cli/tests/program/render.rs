@@ -106,16 +106,26 @@ fn warnings_go_to_standard_error_and_are_silenced() {
     let place = Place::new();
     let run = place.run(&["render", "-e", "x", "-o", "x.png", "--size", "4x4"], "");
     assert_eq!(run.code, 0);
-    assert!(run.err.starts_with("warning: the solid has no end"), "{}", run.err);
+    assert!(run.err.starts_with("warning: no end of the solid"), "{}", run.err);
     let run = place.run(&["render", "-e", "x", "-o", "x.png", "--size", "4x4", "--quiet"], "");
     assert_eq!((run.code, run.out.as_str(), run.err.as_str()), (0, "", ""));
+    // Those that an error follows, too.
+    place.file("both.vm", "_0 var-x\n_0 var-y\n_1 nothing _0\n");
+    let loud = place.run(&["render", "both.vm", "-o", "b.png"], "");
+    assert!(loud.err.contains("warning: ") && loud.err.contains("error: "), "{}", loud.err);
+    let quiet = place.run(&["render", "both.vm", "-o", "b.png", "--quiet"], "");
+    assert_eq!(quiet.code, 1);
+    assert!(!quiet.err.contains("warning: ") && quiet.err.contains("error: "), "{}", quiet.err);
 }
 
 #[test]
 fn errors_leave_no_file() {
     let place = Place::new();
-    let cases: [(&[&str], i32, &str); 16] = [
+    let cases: [(&[&str], i32, &str); 19] = [
         (&["-o", "b.jpg"], 2, ".png or .exr"),
+        (&["-o", "b.png", "--threads", "-1"], 2, "-1 is not in 1..=65535"),
+        (&["-o", "b.png", "--fuel", "-1"], 2, "-1 is not in 1..=4294967295"),
+        (&["-o", "b.png", "--tolerance", "2"], 2, "the tolerance is at most 0.5 of the longest side"),
         (&["-o", "no/b.png"], 1, "there is no folder no"),
         (&["-o", "b.png", "--stats", "no/s.json"], 1, "there is no folder no"),
         (&["-o", "b.png", "--size", "0x5"], 2, "0x5"),

@@ -72,12 +72,13 @@ fn what_cannot_be_is_refused() {
 /// Formula, options, and how the warning begins, if there is one.
 type Drawn = (&'static str, &'static [&'static str], Option<&'static str>);
 
-const DRAWN: [Drawn; 19] = [
+const DRAWN: [Drawn; 20] = [
     (BALL, &["--size", "1x1"], None),
     (BALL, &["--size", "1x3001"], None),
     (BALL, &["--size", "3001x1"], None),
     (BALL, &["--size", "9x9", "--eye", "0,0.2,0"], None),
-    (BALL, &["--size", "9x9", "--eye", "1e9,0,0"], None),
+    (BALL, &["--size", "9x9", "--eye", "1e5,0,0"], None),
+    (BALL, &["--size", "9x9", "--eye", "1e9,0,0"], Some("the eye is so far away")),
     (BALL, &["--size", "9x9", "--eye", "3,0,0", "--target", "9,0,0"], Some("nothing is to be seen")),
     (BALL, &["--size", "9x9", "--bounds", "5,5,5,6,6,6"], Some("nothing is to be seen")),
     (BALL, &["--size", "9x9", "--clip-sphere", "5,5,5,1"], Some("nothing was found inside the sphere")),
@@ -86,7 +87,7 @@ const DRAWN: [Drawn; 19] = [
     (BALL, &["--size", "9x9", "--surface", "--open", "--clip-sphere", "1,0,0,0.5"], None),
     ("(x^2+y^2+z^2-1)^2", &["--size", "9x9", "--surface"], None),
     ("(x^2+y^2+z^2-1)^2", &["--size", "9x9"], Some("there is no solid")),
-    ("z^2", &["--size", "9x9", "--surface"], Some("the surface has no end")),
+    ("z^2", &["--size", "9x9", "--surface"], Some("no end of the surface")),
     ("x^2+1", &["--size", "9x9", "--surface"], Some("there is no surface")),
     ("sqrt(-1-x^2)", &["--size", "9x9"], Some("the function has no value anywhere")),
     ("sqrt(-1-x^2)", &["--size", "9x9", "--bounds", "-1,-1,-1,1,1,1"], Some("nothing is to be seen")),

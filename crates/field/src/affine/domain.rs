@@ -8,6 +8,7 @@ use crate::{Function, Real};
 
 impl<R: Real> Domain for Affine<R> {
     type Real = R;
+    const IS_SET: bool = true;
 
     #[inline(always)]
     fn token(self) -> R::Token {

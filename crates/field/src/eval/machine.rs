@@ -243,7 +243,8 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
             let (may_hold, may_fail) = condition.truth();
             let spent = self.spent(chunk);
             let exhausted = turning & may_hold & (fuel.is_le(spent) | most_open.is_lt(open_turns));
-            let nothing = condition.is_undefined() | exhausted;
+            let untold = self.untold(turning, may_hold, condition.is_undefined(), chunk);
+            let nothing = untold | exhausted;
             let leaving = turning & (may_fail | nothing);
             for (&register, &result) in code.carried.iter().zip(&code.results) {
                 let (now, before) =
@@ -273,6 +274,27 @@ impl<S: Simd, P: Precision, K: Kind> Machine<'_, S, P, K> {
             }
         }
         self.active = outer;
+    }
+
+    /// Where a loop stops because nothing is known of its condition, or of how many turns an earlier loop has left. Over
+    /// sets, this holds for all loops that follow, because some value of the set may have spent everything.
+    #[inline(always)]
+    fn untold(
+        &mut self,
+        turning: MaskOf<S, P>,
+        may_hold: MaskOf<S, P>,
+        undefined: MaskOf<S, P>,
+        chunk: usize,
+    ) -> MaskOf<S, P> {
+        if !DomainOf::<S, P, K>::IS_SET {
+            return undefined;
+        }
+        let place = LANES + chunk * P::Real::<S>::LANES;
+        let (zero, one) = (P::Real::<S>::splat(self.simd, 0.0), P::Real::<S>::splat(self.simd, 1.0));
+        let untold: P::Real<S> = Real::load(self.simd, &self.turns[place..]);
+        let untold = P::Real::<S>::pick(turning & undefined, one, untold);
+        Real::store(untold, &mut self.turns[place..]);
+        undefined | (may_hold & zero.is_lt(untold))
     }
 
     /// How many turns the lanes of a chunk have taken.

@@ -39,7 +39,8 @@ pub struct Task<'t, P: Precision> {
     pub(super) memory: &'t mut [P::Scalar],
     pub(super) outputs: &'t mut [P::Scalar],
     pub(super) choices: &'t mut [u8],
-    /// How many turns the loops took in each lane; infinite where they were to take more than they may.
+    /// How many turns the loops took in each lane; infinite where they were to take more than they may. Behind these,
+    /// for sets, 1 where a loop stopped undecided, so that some value of the set may have taken more.
     pub(super) turns: &'t mut [P::Scalar],
     pub(super) lanes: usize,
     /// Whether to record choices.
@@ -110,7 +111,7 @@ impl<P: Precision, K: Engine<P>> Workspace<P, K> {
     }
 
     fn with_level(level: Level) -> Self {
-        let turns = vec![P::Scalar::default(); LANES];
+        let turns = vec![P::Scalar::default(); 2 * LANES];
         Self { memory: Vec::new(), outputs: Vec::new(), choices: Vec::new(), turns, level, kind: PhantomData }
     }
 
@@ -136,7 +137,8 @@ impl<P: Precision, K: Engine<P>> Workspace<P, K> {
     }
 
     /// How many turns the data-dependent loops took together in a lane of the last [`run`](Self::run); infinite where
-    /// they did not end within [`Field::fuel`](crate::Field::fuel), so that what depends on them is undefined.
+    /// they did not end within [`Field::fuel`](crate::Field::fuel), so that what depends on them is undefined. Over sets,
+    /// turns behind a loop whose condition was undefined are not counted: no loop that follows is trusted to end.
     pub fn turns(&self, lane: usize) -> f64 {
         self.turns[lane].to_f64()
     }

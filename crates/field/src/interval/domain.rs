@@ -37,6 +37,7 @@ fn image(function: &dyn Function, boxes: &[Interval<f64>], scratch: &mut [Vec<f6
 
 impl<R: Real> Domain for Interval<R> {
     type Real = R;
+    const IS_SET: bool = true;
 
     #[inline(always)]
     fn token(self) -> R::Token {

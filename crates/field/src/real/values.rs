@@ -7,6 +7,7 @@ use crate::domain::Domain;
 /// The meaning of the operations on single values: plain floating-point arithmetic.
 impl<R: Real> Domain for R {
     type Real = R;
+    const IS_SET: bool = false;
 
     #[inline(always)]
     fn token(self) -> R::Token {

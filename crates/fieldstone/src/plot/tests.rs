@@ -152,6 +152,10 @@ fn what_cannot_be_plotted() {
     assert!(matches!(of(request(nan, SpanChoice::Affine)), Err(PlotError::Ray { .. })));
     assert_eq!(of(request([-3.0, 9.0, 0.0, 1.0, 0.0, 0.0], SpanChoice::Affine)), Err(PlotError::Misses));
     assert_eq!(of(PlotRequest { span: Some((1.0, 1.0)), ..good() }), Err(PlotError::Span(1.0, 1.0)));
+    let far = of(PlotRequest { span: Some((0.0, 1e20)), ..good() }).unwrap_err();
+    assert!(far.to_string().starts_with("t = 1e20 is too far away: more than 1e9 times"), "{far}");
+    let from_afar = of(request([-1e20, 0.0, 0.0, 1.0, 0.0, 0.0], SpanChoice::Affine));
+    assert!(matches!(from_afar, Err(PlotError::Far { .. } | PlotError::Misses)), "{from_afar:?}");
     for count in [0, 5000] {
         assert_eq!(
             of(PlotRequest { spans: SpanChoice::Uniform(count), ..good() }),

@@ -59,6 +59,7 @@ macro_rules! binary {
 
 impl Domain for Unmixed {
     type Real = f64;
+    const IS_SET: bool = true;
 
     fn token(self) {}
     fn constant((): (), k: f64) -> Self {

@@ -91,7 +91,10 @@ impl<'p> Lowering<'p, '_> {
         let (message, label, help) = match self.graph.constant_value(length) {
             Some(n) if n.fract() == 0.0 && (1.0..=MAX_ELEMENTS).contains(&n) => return Ok(n as usize),
             Some(n) => (
-                format!("`{name}` cannot have {n} elements"),
+                match n > MAX_ELEMENTS {
+                    true => format!("`{name}` has at most {MAX_ELEMENTS} elements, not {n}"),
+                    false => format!("`{name}` cannot have {n} elements"),
+                },
                 format!("expected a whole number from 1 to {MAX_ELEMENTS}"),
                 "lengths are rounded by `floor(…)`",
             ),

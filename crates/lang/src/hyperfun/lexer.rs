@@ -212,7 +212,11 @@ impl<'s> Lexer<'s, '_> {
             }
             if let Some(length) = number_length(self.rest().as_bytes()) {
                 let value = self.rest()[..length].parse().unwrap_or(f64::NAN);
-                return Some((Token::Number(value), self.take(length)));
+                let span = self.take(length);
+                if value == f64::INFINITY {
+                    self.report.error(span, "the number is too large", "above 1.8e308");
+                }
+                return Some((Token::Number(value), span));
             }
             if first == '"' {
                 return Some(self.string());

@@ -21,7 +21,7 @@ impl Lowering<'_, '_> {
         let (what, limit) = if self.graph.len() > MAX_NODES {
             ("operations", MAX_NODES)
         } else if self.steps > MAX_STEPS {
-            ("steps", MAX_STEPS)
+            ("steps when it is written out", MAX_STEPS)
         } else {
             return Ok(());
         };
@@ -35,7 +35,8 @@ impl Lowering<'_, '_> {
         let help =
             if self.calls.len() > 1 { format!("{help}; {}", self.chain_of_calls()) } else { help.to_owned() };
         let span = self.unrolling.unwrap_or(span);
-        let error = Diagnostic::error(span.range(), format!("the model has more than {limit} {what}"), label);
+        let message = format!("the model has more than {} million {what}", limit / 1_000_000);
+        let error = Diagnostic::error(span.range(), message, label);
         self.report.add(error.with_help(help));
         Err(Stop)
     }

@@ -331,7 +331,11 @@ impl<'s> Parser<'s> {
             return Err(self.fail(error));
         };
         if size.fract() != 0.0 || !(1.0..=MAX_ELEMENTS).contains(&size) {
-            let message = format!("an array cannot have {} elements", &self.text[span.range()]);
+            let text = &self.text[span.range()];
+            let message = match size > MAX_ELEMENTS {
+                true => format!("an array has at most {MAX_ELEMENTS} elements, not {text}"),
+                false => format!("an array cannot have {text} elements"),
+            };
             let label = format!("expected a whole number from 1 to {MAX_ELEMENTS}");
             return Err(self.fail(Diagnostic::error(span.range(), message, label)));
         }

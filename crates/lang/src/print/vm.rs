@@ -35,7 +35,8 @@ pub(super) fn print(printing: &Printing<'_>) -> Result<Printed, PrintError> {
         let list = list.join(", ");
         warnings.push(format!("other programs may not know {list}: they have no such operation"));
     }
-    Ok(Printed { text: lines.text, warnings })
+    let text = format!("# Negative inside, z up.\n{}", lines.text);
+    Ok(Printed { text, warnings })
 }
 
 /// A line, by number.

@@ -192,6 +192,28 @@ fn without_an_end() {
 }
 
 #[test]
+fn far_out() {
+    let solid = |centre: [f64; 3], radius: f64| {
+        let mut maker = Maker::new();
+        let ball = maker.ball(centre, radius);
+        bounds(&maker.field(ball))
+    };
+    for (x, radius) in [(1500.0, 1200.0), (0.0, 2000.0), (5000.0, 4500.0), (-2e6, 100.0), (3e6, 2.9e6)] {
+        let found = solid([x, 0.0, 0.0], radius);
+        assert_eq!((found.extent, found.proved), (Extent::Bounded, true), "{x}");
+        assert_tight(&found, [x - radius, -radius, -radius], [x + radius, radius, radius]);
+    }
+    let found = solid([0.0; 3], 1e8);
+    assert_eq!((found.extent, found.max), (Extent::Unbounded, [10.0; 3]));
+    // x > 50: none of it is within ±10.
+    let mut maker = Maker::new();
+    let fifty = maker.number(50.0);
+    let half_space = maker.graph.sub(fifty, maker.x[0]);
+    let found = bounds(&maker.field(half_space));
+    assert_eq!((found.extent, found.min), (Extent::Unbounded, [-1000.0; 3]));
+}
+
+#[test]
 fn without_an_inside() {
     let mut maker = Maker::new();
     let outside = maker.ball([0.0; 3], -1.0);

@@ -133,7 +133,8 @@ impl<'p> Examiner<'p> {
             }
         }
         let known = self.knowledge.chunks(pieces.count);
-        let is_open = |known: &[Knowledge]| !is_undefined(known) && status(pieces, known) == Status::Open;
+        let is_open =
+            |known: &[Knowledge]| !is_undefined(pieces, known) && status(pieces, known) == Status::Open;
         let open: Vec<usize> = known.enumerate().filter(|(_, k)| is_open(k)).map(|(lane, _)| lane).collect();
         if !open.is_empty() {
             self.fit_planes(&open, &extents);
@@ -193,7 +194,7 @@ impl<'p> Examiner<'p> {
             let doubt = faces.iter().sum();
             Found::Open(Open { cell, fraction, surface, area: 0.0, doubt })
         };
-        if is_undefined(known) {
+        if is_undefined(self.pieces, known) {
             return open(Range::new(0.0, 1.0), Surface::Undefined);
         }
         match status(self.pieces, known) {
@@ -229,7 +230,7 @@ impl<'p> Examiner<'p> {
 
     fn reach(&self, cell: Cell, known: &[Knowledge]) -> Reach {
         let extent = self.grid.extent(cell);
-        if is_undefined(known) {
+        if is_undefined(self.pieces, known) {
             return Reach::unknown(extent);
         }
         let mut all: Vec<Reach> = Vec::with_capacity(self.pieces.parts.len());
@@ -278,9 +279,10 @@ pub(super) fn face_area(sides: &[Range; 3], axis: usize) -> Range {
     sides[(axis + 1) % 3] * sides[(axis + 2) % 3]
 }
 
-/// Whether a piece, and with it the field, may be undefined.
-fn is_undefined(known: &[Knowledge]) -> bool {
-    known.iter().any(|k| matches!(k, Knowledge::Undefined))
+/// Whether a piece may be undefined, and with it the field, unless that is certainly undefined, which is outside.
+fn is_undefined(pieces: &Pieces, known: &[Knowledge]) -> bool {
+    let is_outside = pieces.domain.is_some_and(|piece| matches!(known[piece], Knowledge::Positive));
+    !is_outside && known.iter().any(|k| matches!(k, Knowledge::Undefined))
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -29,6 +29,8 @@ pub(super) struct Pieces {
     pub(super) parts: Vec<Part>,
     /// How many pieces there are.
     pub(super) count: usize,
+    /// The piece that is positive where the field is certainly undefined, if that is known of any place.
+    pub(super) domain: Option<usize>,
     /// Outputs: the value of each piece.
     pub(super) values: Tape,
     /// Outputs: the derivatives of each piece along x, y and z.
@@ -40,8 +42,8 @@ type Signed = (NodeId, bool);
 
 impl Pieces {
     pub(super) fn new(field: &Field, bindings: &Bindings) -> Self {
-        let mut graph = Graph::clone(field.graph());
-        let root = without_signs(&graph, (field.value(), false));
+        let (mut graph, value, outside) = with_domain(field);
+        let root = without_signs(&graph, (value, false));
         let inner = set_operations(&graph, root);
         let mut places: HashMap<Signed, usize> = HashMap::new();
         let (mut parts, mut pieces) = (Vec::new(), Vec::new());
@@ -66,16 +68,34 @@ impl Pieces {
             places.insert(key, parts.len());
             parts.push(part);
         }
+        let domain = outside.and_then(|node| match parts[*places.get(&(node, false))?] {
+            Part::Piece(piece) => Some(piece),
+            _ => None,
+        });
         let mut gradients = Gradients::default();
         let slopes: Vec<NodeId> = pieces.iter().flat_map(|&piece| gradients.of(&mut graph, piece)).collect();
         let graph = std::sync::Arc::new(graph);
         let tape = |outputs: &[NodeId]| {
-            let field = Field::new(graph.clone(), outputs[0], outputs[1..].to_vec());
+            let outputs = Field::new(graph.clone(), outputs[0], outputs[1..].to_vec());
+            let field = outputs.with_fuel(field.fuel());
             let (bindings, reading) = (bindings.clone(), Reading::Value);
             Tape::new(&field, &TapeOptions { bindings, reading, attributes: true, ..TapeOptions::default() })
         };
-        Self { parts, count: pieces.len(), values: tape(&pieces), gradients: tape(&slopes) }
+        Self { parts, count: pieces.len(), domain, values: tape(&pieces), gradients: tape(&slopes) }
     }
+}
+
+/// A graph with a node of the same sign as a field, intersected with another one that is positive where the field is
+/// certainly undefined, which is outside of the solid.
+fn with_domain(field: &Field) -> (Graph, NodeId, Option<NodeId>) {
+    let Some((clamped, condition)) = field.clamped_to_domain() else {
+        return (Graph::clone(field.graph()), field.value(), None);
+    };
+    let mut graph = Graph::clone(clamped.graph());
+    let half = graph.constant(0.5);
+    let outside = graph.sub(half, condition);
+    let value = graph.max(clamped.value(), outside);
+    (graph, value, Some(outside))
 }
 
 /// The set operations that are taken apart, the topmost first.

@@ -142,9 +142,6 @@ impl Lane {
         let Some(t) = search.wants() else { return };
         let value = self.defined(value);
         if self.is_across(value, settings) {
-            if settings.any_hit {
-                return self.accept(search.near.0, t);
-            }
             let solver = Solver::new(search.near, (t, value), settings.tolerance * settings.size);
             return self.continue_solve(solver, settings);
         }
