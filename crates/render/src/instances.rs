@@ -1,0 +1,221 @@
+//! Solids where they stand: rays are moved into their spaces, and what they meet there comes back.
+//!
+//! Few solids that are not moved are asked one after another, each for all rays. Otherwise a hierarchy of boxes says
+//! which instances a ray may meet, and each ray asks them from the nearest on, until what is left begins behind the
+//! surface that it has met. This happens in rounds: the rays that ask instances of one solid in the same round are traced
+//! together, so that lanes are full however few rays meet each instance.
+
+use crate::hierarchy::Hierarchy;
+use crate::object::{Meeting, ObjectRay, Sought};
+use crate::query::{Answer, Asker, Prepared, Question, Surface};
+use fieldstone_field::LANES;
+use fieldstone_scene::{Instance, Scene};
+use fieldstone_trace::Certificate;
+use glam::DVec3;
+
+/// Up to so many instances need no hierarchy if none is moved.
+const FEW: usize = 8;
+/// About how many rays are on their way in a round at least, if there is work for so many.
+const ROUND: usize = 4 * LANES;
+
+/// The hierarchy of the instances of a scene; none where it would not help.
+pub(crate) fn hierarchy_of(scene: &Scene) -> Option<Hierarchy> {
+    let instances = scene.instances();
+    if instances.len() <= FEW && instances.iter().all(Instance::is_unmoved) {
+        return None;
+    }
+    let bounds = |i: &Instance| i.world_bounds(scene.solids()[i.solid()].bounds());
+    Some(Hierarchy::new(&instances.iter().map(bounds).collect::<Vec<_>>()))
+}
+
+/// A ray that asks an instance.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+struct Visit {
+    solid: usize,
+    instance: usize,
+    ray: usize,
+}
+
+/// A ray in the space of an instance.
+#[derive(Clone, Copy, Debug)]
+struct Moved {
+    ray: ObjectRay,
+    /// How much longer distances are than in the world.
+    scale: f64,
+    /// How far along the ray its origin was moved, in the instance's space.
+    shift: f64,
+}
+
+/// The instances that each ray may meet, nearest first.
+struct Candidates {
+    /// Where a ray enters the box of an instance, and which it is.
+    list: Vec<(f64, u32)>,
+    /// For each ray what is left to ask of the list.
+    left: Vec<std::ops::Range<usize>>,
+}
+
+impl Prepared<'_> {
+    /// What rays meet; which parts own it is not known yet.
+    pub(crate) fn trace(&self, asker: &mut Asker, question: &Question<'_>) -> Vec<Answer> {
+        let nothing = Answer { surface: None, certificate: Certificate::Certified, cost: 0 };
+        let mut answers = vec![nothing; question.rays.len()];
+        match &self.hierarchy {
+            None => {
+                for (instance, placed) in self.scene.instances().iter().enumerate() {
+                    let solid = placed.solid();
+                    let visits: Vec<Visit> =
+                        (0..question.rays.len()).map(|ray| Visit { solid, instance, ray }).collect();
+                    self.visit(asker, question, &visits, &mut answers);
+                }
+            }
+            Some(hierarchy) => {
+                let mut candidates = Candidates::new(hierarchy, question);
+                loop {
+                    let visits = self.next_round(&mut candidates, question, &answers);
+                    if visits.is_empty() {
+                        break;
+                    }
+                    for of_solid in visits.chunk_by(|a, b| a.solid == b.solid) {
+                        self.visit(asker, question, of_solid, &mut answers);
+                    }
+                }
+            }
+        }
+        answers
+    }
+
+    /// The next instances that rays ask, sorted by solid, instance and ray.
+    fn next_round(
+        &self,
+        candidates: &mut Candidates,
+        question: &Question<'_>,
+        answers: &[Answer],
+    ) -> Vec<Visit> {
+        let waiting = candidates.drop_what_is_behind(|ray| reach(question, answers, ray));
+        let each = ROUND.checked_div(waiting).unwrap_or(0).max(1);
+        let mut visits = Vec::new();
+        for (ray, left) in candidates.left.iter_mut().enumerate() {
+            for place in left.by_ref().take(each) {
+                let instance = candidates.list[place].1 as usize;
+                visits.push(Visit { solid: self.scene.instances()[instance].solid(), instance, ray });
+            }
+        }
+        visits.sort_unstable();
+        visits
+    }
+
+    /// Asks instances of one solid.
+    fn visit(&self, asker: &mut Asker, question: &Question<'_>, visits: &[Visit], answers: &mut [Answer]) {
+        let Some(first) = visits.first() else { return };
+        let object = &self.objects[first.solid];
+        let mut moved: Vec<Moved> = Vec::with_capacity(visits.len());
+        for of_instance in visits.chunk_by(|a, b| a.instance == b.instance) {
+            let instance = &self.scene.instances()[of_instance[0].instance];
+            let start = moved.len();
+            moved.extend(of_instance.iter().map(|visit| {
+                Moved::new(instance, question.rays[visit.ray], reach(question, answers, visit.ray))
+            }));
+            if !instance.is_unmoved() {
+                let enter = |m: &Moved| object.solid.ray_span(m.ray.origin, m.ray.direction).map(|s| s.enter);
+                // All by the same distance, so that they stay side by side.
+                let shift = moved[start..].iter().filter_map(enter).fold(f64::INFINITY, f64::min).max(0.0);
+                moved[start..].iter_mut().filter(|_| shift.is_finite()).for_each(|m| m.advance(shift));
+            }
+        }
+        let rays: Vec<ObjectRay> = moved.iter().map(|m| m.ray).collect();
+        let found = object.meetings(asker, &rays, question.sought);
+        for ((visit, moved), found) in visits.iter().zip(&moved).zip(found) {
+            let answer = &mut answers[visit.ray];
+            answer.cost += found.cost;
+            answer.certificate = answer.certificate.max(found.certificate);
+            if let Some(meeting) = found.meeting {
+                let instance = &self.scene.instances()[visit.instance];
+                let surface = moved.surface((visit.instance, instance), meeting, object.first_part);
+                if answer.surface.as_ref().is_none_or(|known| surface.goes_before(known)) {
+                    answer.surface = Some(surface);
+                }
+            }
+        }
+    }
+}
+
+/// Behind which distance nothing more is asked of a ray.
+fn reach(question: &Question<'_>, answers: &[Answer], ray: usize) -> f64 {
+    let known = answers[ray].surface.as_ref();
+    match question.sought {
+        Sought::AnyBlocker if known.is_some() => f64::NEG_INFINITY,
+        _ => known.map_or(f64::INFINITY, |s| s.far).min(question.furthest(ray)),
+    }
+}
+
+impl Candidates {
+    fn new(hierarchy: &Hierarchy, question: &Question<'_>) -> Self {
+        let (mut list, mut left) = (Vec::new(), Vec::with_capacity(question.rays.len()));
+        for (i, &ray) in question.rays.iter().enumerate() {
+            let start = list.len();
+            hierarchy.crossed(ray, (0.0, question.furthest(i)), &mut list);
+            list[start..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            left.push(start..list.len());
+        }
+        Self { list, left }
+    }
+
+    /// Drops what begins behind the reach of its ray; how many rays have something left?
+    fn drop_what_is_behind(&mut self, reach: impl Fn(usize) -> f64) -> usize {
+        for (ray, left) in self.left.iter_mut().enumerate() {
+            if left.start < left.end && self.list[left.start].0 > reach(ray) {
+                left.end = left.start;
+            }
+        }
+        self.left.iter().filter(|left| left.start < left.end).count()
+    }
+}
+
+impl Moved {
+    fn new(instance: &Instance, (origin, direction): (DVec3, DVec3), furthest: f64) -> Self {
+        if instance.is_unmoved() {
+            let ray = ObjectRay { origin, direction, start: 0.0, furthest };
+            return Self { ray, scale: 1.0, shift: 0.0 };
+        }
+        let from_world = instance.object_from_world();
+        let (origin, moved) = (from_world.transform_point3(origin), from_world.transform_vector3(direction));
+        let scale = moved.length();
+        let ray = ObjectRay { origin, direction: moved / scale, start: 0.0, furthest: furthest * scale };
+        Self { ray, scale, shift: 0.0 }
+    }
+
+    /// Moves the origin along the ray, close to where something may be.
+    fn advance(&mut self, shift: f64) {
+        self.ray.origin += shift * self.ray.direction;
+        self.ray.start -= shift;
+        self.ray.furthest -= shift;
+        self.shift += shift;
+    }
+
+    /// What was met, in the world.
+    fn surface(&self, (number, instance): (usize, &Instance), meeting: Meeting, part: usize) -> Surface {
+        let to_world = |t: f64| (t + self.shift) / self.scale;
+        let place = |p: DVec3| {
+            if instance.is_unmoved() { p } else { instance.world_from_object().transform_point3(p) }
+        };
+        Surface {
+            part,
+            instance: number,
+            t: to_world(meeting.t),
+            near: to_world(meeting.near),
+            far: to_world(meeting.far),
+            before: place(meeting.before),
+            behind: place(meeting.behind),
+            from_inside: meeting.from_inside,
+            meeting,
+        }
+    }
+}
+
+impl Surface {
+    /// Whether it is met before another one. Of two in the same place, that of the instance that stands first is.
+    fn goes_before(&self, other: &Self) -> bool {
+        let together = self.near <= other.far && other.near <= self.far;
+        if together { self.instance < other.instance } else { self.t < other.t }
+    }
+}
