@@ -6,7 +6,7 @@
 //! together, so that lanes are full however few rays meet each instance.
 
 use crate::hierarchy::Hierarchy;
-use crate::object::{Meeting, ObjectRay, Sought};
+use crate::object::{Found, Meeting, ObjectRay, Sought};
 use crate::query::{Answer, Asker, Prepared, Question, Surface};
 use fieldstone_field::LANES;
 use fieldstone_scene::{Instance, Scene};
@@ -61,11 +61,8 @@ impl Prepared<'_> {
         let mut answers = vec![nothing; question.rays.len()];
         match &self.hierarchy {
             None => {
-                for (instance, placed) in self.scene.instances().iter().enumerate() {
-                    let solid = placed.solid();
-                    let visits: Vec<Visit> =
-                        (0..question.rays.len()).map(|ray| Visit { solid, instance, ray }).collect();
-                    self.visit(asker, question, &visits, &mut answers);
+                for instance in 0..self.scene.instances().len() {
+                    self.visit_with_all(asker, question, instance, &mut answers);
                 }
             }
             Some(hierarchy) => {
@@ -82,6 +79,24 @@ impl Prepared<'_> {
             }
         }
         answers
+    }
+
+    /// Asks an instance that is not moved for all rays.
+    fn visit_with_all(
+        &self,
+        asker: &mut Asker,
+        question: &Question<'_>,
+        instance: usize,
+        answers: &mut [Answer],
+    ) {
+        let object = &self.objects[self.scene.instances()[instance].solid()];
+        let rays: Vec<ObjectRay> = (0..question.rays.len())
+            .map(|i| Moved::new(None, question.rays[i], reach(question, answers, i)).ray)
+            .collect();
+        let found = object.meetings(asker, &rays, question.sought);
+        for (answer, found) in answers.iter_mut().zip(&found) {
+            answer.take(found, |meeting| Surface::unmoved(instance, object.first_part, meeting));
+        }
     }
 
     /// The next instances that rays ask, sorted by solid, instance and ray.
@@ -112,10 +127,11 @@ impl Prepared<'_> {
         for of_instance in visits.chunk_by(|a, b| a.instance == b.instance) {
             let instance = &self.scene.instances()[of_instance[0].instance];
             let start = moved.len();
+            let frame = self.moved[of_instance[0].instance].then_some(instance);
             moved.extend(of_instance.iter().map(|visit| {
-                Moved::new(instance, question.rays[visit.ray], reach(question, answers, visit.ray))
+                Moved::new(frame, question.rays[visit.ray], reach(question, answers, visit.ray))
             }));
-            if !instance.is_unmoved() {
+            if frame.is_some() {
                 let enter = |m: &Moved| object.solid.ray_span(m.ray.origin, m.ray.direction).map(|s| s.enter);
                 // All by the same distance, so that they stay side by side.
                 let shift = moved[start..].iter().filter_map(enter).fold(f64::INFINITY, f64::min).max(0.0);
@@ -124,16 +140,24 @@ impl Prepared<'_> {
         }
         let rays: Vec<ObjectRay> = moved.iter().map(|m| m.ray).collect();
         let found = object.meetings(asker, &rays, question.sought);
-        for ((visit, moved), found) in visits.iter().zip(&moved).zip(found) {
-            let answer = &mut answers[visit.ray];
-            answer.cost += found.cost;
-            answer.certificate = answer.certificate.max(found.certificate);
-            if let Some(meeting) = found.meeting {
-                let instance = &self.scene.instances()[visit.instance];
-                let surface = moved.surface((visit.instance, instance), meeting, object.first_part);
-                if answer.surface.as_ref().is_none_or(|known| surface.goes_before(known)) {
-                    answer.surface = Some(surface);
-                }
+        for ((visit, moved), found) in visits.iter().zip(&moved).zip(&found) {
+            let frame = self.moved[visit.instance].then(|| &self.scene.instances()[visit.instance]);
+            answers[visit.ray].take(found, |meeting| {
+                let surface = Surface::unmoved(visit.instance, object.first_part, meeting);
+                frame.map_or(surface, |instance| moved.back_to_world(instance, surface))
+            });
+        }
+    }
+}
+
+impl Answer {
+    /// Takes what was found into account.
+    fn take(&mut self, found: &Found, surface: impl FnOnce(&Meeting) -> Surface) {
+        self.cost += found.cost;
+        self.certificate = self.certificate.max(found.certificate);
+        if let Some(surface) = found.meeting.as_ref().map(surface) {
+            if self.surface.as_ref().is_none_or(|known| surface.goes_before(known)) {
+                self.surface = Some(surface);
             }
         }
     }
@@ -172,11 +196,12 @@ impl Candidates {
 }
 
 impl Moved {
-    fn new(instance: &Instance, (origin, direction): (DVec3, DVec3), furthest: f64) -> Self {
-        if instance.is_unmoved() {
+    /// The ray before it is moved, if there is an instance that moves it.
+    fn new(instance: Option<&Instance>, (origin, direction): (DVec3, DVec3), furthest: f64) -> Self {
+        let Some(instance) = instance else {
             let ray = ObjectRay { origin, direction, start: 0.0, furthest };
             return Self { ray, scale: 1.0, shift: 0.0 };
-        }
+        };
         let from_world = instance.object_from_world();
         let (origin, moved) = (from_world.transform_point3(origin), from_world.transform_vector3(direction));
         let scale = moved.length();
@@ -192,27 +217,38 @@ impl Moved {
         self.shift += shift;
     }
 
-    /// What was met, in the world.
-    fn surface(&self, (number, instance): (usize, &Instance), meeting: Meeting, part: usize) -> Surface {
-        let to_world = |t: f64| (t + self.shift) / self.scale;
-        let place = |p: DVec3| {
-            if instance.is_unmoved() { p } else { instance.world_from_object().transform_point3(p) }
-        };
+    /// A surface that the moved ray met, as the ray in the world meets it.
+    fn back_to_world(&self, instance: &Instance, surface: Surface) -> Surface {
+        let distance = |t: f64| (t + self.shift) / self.scale;
+        let place = |p: DVec3| instance.world_from_object().transform_point3(p);
         Surface {
-            part,
-            instance: number,
-            t: to_world(meeting.t),
-            near: to_world(meeting.near),
-            far: to_world(meeting.far),
-            before: place(meeting.before),
-            behind: place(meeting.behind),
-            from_inside: meeting.from_inside,
-            meeting,
+            t: distance(surface.t),
+            near: distance(surface.near),
+            far: distance(surface.far),
+            before: place(surface.before),
+            behind: place(surface.behind),
+            ..surface
         }
     }
 }
 
 impl Surface {
+    /// As it is met in the space of its solid.
+    fn unmoved(instance: usize, part: usize, meeting: &Meeting) -> Self {
+        Self {
+            part,
+            instance,
+            t: meeting.t,
+            near: meeting.near,
+            far: meeting.far,
+            before: meeting.before,
+            behind: meeting.behind,
+            from_inside: meeting.from_inside,
+            cap: meeting.cap,
+            gradient_place: meeting.gradient_place,
+        }
+    }
+
     /// Whether it is met before another one. Of two in the same place, that of the instance that stands first is.
     fn goes_before(&self, other: &Self) -> bool {
         let together = self.near <= other.far && other.near <= self.far;

@@ -197,20 +197,12 @@ impl<'s> Object<'s> {
     pub(crate) fn probe_normal(
         &self,
         points: &mut Workspace<F64, Points>,
-        meeting: &Meeting,
+        place: DVec3,
         direction: DVec3,
     ) -> DVec3 {
         let (tape, size) = (&self.sign, self.settings.size);
-        let place = 0.5 * (meeting.before + meeting.behind);
         let normal = Probe { points, tape, place, size }.normal().unwrap_or(-direction);
         normal - 2.0 * normal.dot(direction).max(0.0) * direction
-    }
-}
-
-impl Meeting {
-    /// Where attributes are looked up: they are those of the solid, and may be unset a hair outside of it.
-    pub(crate) fn inside(&self) -> DVec3 {
-        if self.from_inside { self.before } else { self.behind }
     }
 }
 

@@ -7,7 +7,6 @@
 //! several parts change is first halved at the place where the solid begins, by point signs through the set operations.
 //! Surfaces that coincide within a bracket belong to the part that stands first.
 
-use crate::object::Meeting;
 use fieldstone_field::{F64, Field, Intervals, LANES, Points, Tape, TapeOptions, Workspace};
 use fieldstone_scene::{Solid, Tree};
 use glam::DVec3;
@@ -15,10 +14,10 @@ use glam::DVec3;
 /// Where a hit certainly is, between two places.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bracket {
-    before: DVec3,
-    behind: DVec3,
+    pub(crate) before: DVec3,
+    pub(crate) behind: DVec3,
     /// Of a cap, the end that lies in the solid.
-    cap: Option<DVec3>,
+    pub(crate) cap: Option<DVec3>,
 }
 
 /// What a thread needs to find owners.
@@ -45,13 +44,6 @@ type Values = Vec<f64>;
 impl Memory {
     pub(crate) fn take_evaluations(&mut self) -> u64 {
         std::mem::take(&mut self.evaluations)
-    }
-}
-
-impl Bracket {
-    pub(crate) fn of(meeting: &Meeting) -> Self {
-        let cap = meeting.cap.map(|_| meeting.inside());
-        Self { before: meeting.before, behind: meeting.behind, cap }
     }
 }
 

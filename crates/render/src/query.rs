@@ -5,7 +5,7 @@
 
 use crate::hierarchy::Hierarchy;
 use crate::instances::hierarchy_of;
-use crate::object::{Meeting, Object, Sought};
+use crate::object::{Object, Sought};
 use crate::owner::Bracket;
 use fieldstone_field::{F64, Gradients, LANES, Points, Workspace};
 use fieldstone_scene::{Appearance, Instance, Scene};
@@ -18,6 +18,8 @@ pub(crate) struct Prepared<'s> {
     pub(crate) objects: Vec<Object<'s>>,
     /// Of the instances; none if they are few and none is moved.
     pub(crate) hierarchy: Option<Hierarchy>,
+    /// Which instances are moved.
+    pub(crate) moved: Vec<bool>,
 }
 
 /// The nearest surface along a ray.
@@ -39,8 +41,10 @@ pub(crate) struct Surface {
     pub(crate) behind: DVec3,
     /// Whether it is seen from where the field is negative.
     pub(crate) from_inside: bool,
-    /// The same in the space of the solid; distances along the ray are not those of the world.
-    pub(crate) meeting: Meeting,
+    /// The outward normal of a cap, where the bounds cut the solid, in the solid's space.
+    pub(crate) cap: Option<DVec3>,
+    /// Where the gradient of the field is the normal, in the solid's space.
+    pub(crate) gradient_place: DVec3,
 }
 
 /// The answer to a surface query.
@@ -91,7 +95,8 @@ impl<'s> Prepared<'s> {
             parts += solid.parts().len();
             Object::new(solid, scene, first)
         });
-        Self { scene, objects: objects.collect(), hierarchy: hierarchy_of(scene) }
+        let moved = scene.instances().iter().map(|instance| !instance.is_unmoved()).collect();
+        Self { scene, objects: objects.collect(), hierarchy: hierarchy_of(scene), moved }
     }
 
     /// The nearest surface along each ray; rays are a unit direction from an origin, which may lie inside of solids.
@@ -149,7 +154,7 @@ impl<'s> Prepared<'s> {
             let belongs = |s: &Surface| self.scene.instances()[s.instance].solid() == number;
             let mut surfaces: Vec<&mut Surface> =
                 answers.iter_mut().filter_map(|a| a.surface.as_mut().filter(|s| belongs(s))).collect();
-            let brackets: Vec<Bracket> = surfaces.iter().map(|s| Bracket::of(&s.meeting)).collect();
+            let brackets: Vec<Bracket> = surfaces.iter().map(|s| self.bracket(s)).collect();
             let parts = owners.find(&mut asker.owner, &brackets);
             for (surface, part) in surfaces.iter_mut().zip(parts) {
                 surface.part = object.first_part + part;
@@ -158,16 +163,24 @@ impl<'s> Prepared<'s> {
         asker.evaluations += asker.owner.take_evaluations();
     }
 
+    /// Where a surface certainly is, in the space of its solid.
+    fn bracket(&self, surface: &Surface) -> Bracket {
+        let place = |p: DVec3| self.frame(surface).place(p);
+        let cap = surface.cap.map(|_| place(surface.inside()));
+        Bracket { before: place(surface.before), behind: place(surface.behind), cap }
+    }
+
     /// The hits on each solid that is hit.
     fn by_solid(&self, hits: &[(Surface, DVec3)]) -> Vec<(usize, Vec<usize>)> {
-        let solid = |i: usize| self.instance(&hits[i].0).solid();
+        let solid = |i: usize| self.scene.instances()[hits[i].0.instance].solid();
         let mut order: Vec<usize> = (0..hits.len()).collect();
         order.sort_by_key(|&i| solid(i));
         order.chunk_by(|&a, &b| solid(a) == solid(b)).map(|hits| (solid(hits[0]), hits.to_vec())).collect()
     }
 
-    fn instance(&self, surface: &Surface) -> &Instance {
-        &self.scene.instances()[surface.instance]
+    /// How the world and the space of a surface's solid go together.
+    fn frame(&self, surface: &Surface) -> Frame<'_> {
+        Frame(self.moved[surface.instance].then(|| &self.scene.instances()[surface.instance]))
     }
 
     /// Unit normals at surfaces, turned against their rays.
@@ -177,7 +190,7 @@ impl<'s> Prepared<'s> {
             let object = &self.objects[solid];
             for block in of_solid.chunks(LANES) {
                 for (lane, &i) in block.iter().enumerate() {
-                    let point = hits[i].0.meeting.gradient_place;
+                    let point = hits[i].0.gradient_place;
                     for axis in 0..3 {
                         asker.gradients.input(axis, 0)[lane] = point[axis];
                         for direction in 0..3 {
@@ -192,14 +205,15 @@ impl<'s> Prepared<'s> {
                     let slope = |axis: usize| asker.gradients.output(0, 1 + axis)[lane];
                     let gradient = DVec3::new(slope(0), slope(1), slope(2));
                     let (surface, direction) = &hits[i];
-                    let instance = self.instance(surface);
-                    let direction = to_object(instance, *direction);
-                    let meeting = &surface.meeting;
-                    let normal = meeting.cap.or_else(|| gradient.try_normalize()).filter(|n| n.is_finite());
-                    let normal =
-                        normal.unwrap_or_else(|| object.probe_normal(&mut asker.points, meeting, direction));
+                    let frame = self.frame(surface);
+                    let direction = frame.direction(*direction);
+                    let normal = surface.cap.or_else(|| gradient.try_normalize()).filter(|n| n.is_finite());
+                    let normal = normal.unwrap_or_else(|| {
+                        let place = frame.place(0.5 * (surface.before + surface.behind));
+                        object.probe_normal(&mut asker.points, place, direction)
+                    });
                     let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-                    normals[i] = normal_to_world(instance, normal);
+                    normals[i] = frame.world_normal(normal);
                 }
             }
         }
@@ -219,7 +233,8 @@ impl<'s> Prepared<'s> {
                     } else {
                         Vec::new()
                     };
-                    fill_points(&mut asker.points, 0, block.iter().map(|&i| hits[i].0.meeting.inside()));
+                    let place = |i: usize| self.frame(&hits[i].0).place(hits[i].0.inside());
+                    fill_points(&mut asker.points, 0, block.iter().map(|&i| place(i)));
                     fill_points(&mut asker.points, 3, normals.into_iter());
                     asker.points.run(&object.attributes, block.len());
                     asker.evaluations += block.len() as u64;
@@ -241,7 +256,7 @@ impl<'s> Prepared<'s> {
         let normals = self.normals(asker, &some);
         let outward = |((surface, _), normal): (&(Surface, DVec3), DVec3)| {
             let world = if surface.from_inside { -normal } else { normal };
-            normal_to_object(self.instance(surface), world)
+            self.frame(surface).normal(world)
         };
         some.iter().zip(normals).map(outward).collect()
     }
@@ -256,24 +271,36 @@ fn fill_points(points: &mut Workspace<F64, Points>, first: usize, list: impl Ite
     }
 }
 
-/// A direction in the space of a solid.
-fn to_object(instance: &Instance, direction: DVec3) -> DVec3 {
-    if instance.is_unmoved() {
-        return direction;
+/// From the world to the space of a solid, which is the same if nothing moves it.
+#[derive(Clone, Copy)]
+struct Frame<'i>(Option<&'i Instance>);
+
+impl Frame<'_> {
+    fn place(self, world: DVec3) -> DVec3 {
+        self.0.map_or(world, |instance| instance.object_from_world().transform_point3(world))
     }
-    instance.object_from_world().transform_vector3(direction).normalize_or_zero()
+
+    /// Of unit length, or 0 where the matrix underflows.
+    fn direction(self, world: DVec3) -> DVec3 {
+        let turn = |i: &Instance| i.object_from_world().transform_vector3(world).normalize_or_zero();
+        self.0.map_or(world, turn)
+    }
+
+    fn normal(self, world: DVec3) -> DVec3 {
+        let turn = |i: &Instance| (i.world_from_object().matrix3.transpose() * world).normalize_or_zero();
+        self.0.map_or(world, turn)
+    }
+
+    /// The way back.
+    fn world_normal(self, normal: DVec3) -> DVec3 {
+        let turn = |i: &Instance| (i.object_from_world().matrix3.transpose() * normal).normalize_or_zero();
+        self.0.map_or(normal, turn)
+    }
 }
 
-fn normal_to_world(instance: &Instance, normal: DVec3) -> DVec3 {
-    if instance.is_unmoved() {
-        return normal;
+impl Surface {
+    /// Where attributes are looked up: they are those of the solid, and may be unset a hair outside of it.
+    fn inside(&self) -> DVec3 {
+        if self.from_inside { self.before } else { self.behind }
     }
-    (instance.object_from_world().matrix3.transpose() * normal).normalize_or_zero()
-}
-
-fn normal_to_object(instance: &Instance, normal: DVec3) -> DVec3 {
-    if instance.is_unmoved() {
-        return normal;
-    }
-    (instance.world_from_object().matrix3.transpose() * normal).normalize_or_zero()
 }
