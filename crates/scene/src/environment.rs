@@ -7,6 +7,7 @@
 use crate::bounds::Bounds;
 use crate::colour::Rgb;
 use crate::image::{Image, Wrap};
+use crate::light::{DEFAULT_SAMPLES, MAX_LIGHT_SAMPLES};
 use crate::text::Number;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -91,6 +92,7 @@ pub struct Environment {
     up: DVec3,
     rotation_radians: f64,
     environment_from_world: DQuat,
+    samples: u32,
     visible: bool,
 }
 
@@ -106,6 +108,9 @@ pub enum EnvironmentError {
     /// The up vector is zero or not finite, or the angle is not finite.
     #[error("an environment cannot be turned like that")]
     Frame,
+    /// No sample, or more than [`MAX_LIGHT_SAMPLES`].
+    #[error("the samples of an environment are a number from 1 to {MAX_LIGHT_SAMPLES}, not {0}")]
+    Samples(u32),
 }
 
 fn is_light(colour: Rgb) -> bool {
@@ -128,9 +133,15 @@ impl Environment {
                 faces.iter().all(Face::is_sound)
             }
         };
-        let environment_from_world = DQuat::IDENTITY;
-        let (strength, up, rotation_radians, visible) = (1.0, DVec3::Y, 0.0, true);
-        let made = Self { surroundings, strength, up, rotation_radians, environment_from_world, visible };
+        let made = Self {
+            surroundings,
+            strength: 1.0,
+            up: DVec3::Y,
+            rotation_radians: 0.0,
+            environment_from_world: DQuat::IDENTITY,
+            samples: DEFAULT_SAMPLES,
+            visible: true,
+        };
         if sound { Ok(made) } else { Err(EnvironmentError::Colour) }
     }
 
@@ -160,6 +171,15 @@ impl Environment {
         Self { visible, ..self }
     }
 
+    /// With so many directions looked at from each matt point that it lights. The default is 4.
+    ///
+    /// # Errors
+    /// No sample, or more than [`MAX_LIGHT_SAMPLES`].
+    pub fn with_samples(self, samples: u32) -> Result<Self, EnvironmentError> {
+        let sound = (1..=MAX_LIGHT_SAMPLES).contains(&samples);
+        if sound { Ok(Self { samples, ..self }) } else { Err(EnvironmentError::Samples(samples)) }
+    }
+
     /// What light comes from which direction.
     pub fn surroundings(&self) -> &Surroundings {
         &self.surroundings
@@ -178,6 +198,11 @@ impl Environment {
     /// How far it is turned about up, in radians, counterclockwise seen from above.
     pub fn rotation_radians(&self) -> f64 {
         self.rotation_radians
+    }
+
+    /// How many directions are looked at from each matt point.
+    pub fn samples(&self) -> u32 {
+        self.samples
     }
 
     /// Whether rays from the eye see it.

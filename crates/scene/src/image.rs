@@ -56,8 +56,8 @@ impl Image {
         if pixels.len() as u64 != count {
             return Err(ImageError::Count { width, height, found: pixels.len() });
         }
-        // f32::max takes the number of a number and NaN.
-        pixels.iter_mut().flatten().for_each(|v| *v = v.max(0.0).min(f32::MAX));
+        // Comparisons with NaN are false.
+        pixels.iter_mut().flatten().for_each(|v| *v = if *v > 0.0 { v.min(f32::MAX) } else { 0.0 });
         Ok(Self { width, height, pixels })
     }
 

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 pub const MAX_LIGHT_SAMPLES: u32 = 1024;
 
 /// How many places on an area light are looked at from a point, unless said otherwise.
-const DEFAULT_SAMPLES: u32 = 4;
+pub(crate) const DEFAULT_SAMPLES: u32 = 4;
 
 /// Where light comes from.
 #[derive(Clone, Copy, PartialEq, Debug)]
