@@ -81,7 +81,9 @@ pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, MAX_OPERATIONS, formula, load};
 pub use measure::{MeasureError, MeasureRequest, Measured};
-pub use output::{OutputError, check_writable, write_beside, write_exr, write_png, write_rgb};
+pub use output::{
+    OutputError, check_writable, write_beside, write_exr, write_png, write_png_toned, write_rgb,
+};
 pub use plot::{
     AffineForm, FirstHit, PictureError, PlotError, PlotRequest, PlottedSpan, RayChoice, RayPlot, Root,
     SpanChoice, Verdict,
@@ -89,7 +91,7 @@ pub use plot::{
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
 
-pub use fieldstone_field::{Bindings, Field, Graph, Input};
+pub use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
 pub use fieldstone_lang::{
     Diagnostic, Diagnostics, Dialect, FileSign, Finish, Lamp, Lens, Model, Object, Parameter, Presentation,
     PrintError, Printed, Severity, Signature, Source, Syntax, UpAxis, Viewpoint, hyperfun_functions,
@@ -100,10 +102,12 @@ pub use fieldstone_render::{
     SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
 };
 pub use fieldstone_scene::{
-    Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera, CameraError,
-    Channel, Condition, Film, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, Material,
-    MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene, SceneError, Settings, Shading,
-    Solid, Texture, Tree, Up, View, linear_to_srgb, srgb_to_linear,
+    Aperture, Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera,
+    CameraError, Channel, Condition, Environment, EnvironmentError, ExposureError, Face, Film, Image,
+    ImageError, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, MAX_IMAGE_PIXELS,
+    MAX_LIGHT_SAMPLES, Material, MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene,
+    SceneError, Settings, Shading, Solid, Surroundings, Texture, Tone, ToneCurve, Tree, Up, View,
+    linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,

@@ -18,21 +18,27 @@ mod ball;
 mod bounds;
 mod camera;
 mod colour;
+mod environment;
 mod film;
+mod image;
 mod light;
 mod material;
 mod scene;
 mod solid;
 mod text;
+mod tone;
 
 pub use ball::{Ball, BallError};
 pub use bounds::{Bounds, BoundsError, RaySpan};
-pub use camera::{Camera, CameraError, Projection, Up, View};
+pub use camera::{Aperture, Camera, CameraError, Projection, Up, View};
 pub use colour::{Background, Rgb, linear_to_srgb, srgb_to_linear};
+pub use environment::{Environment, EnvironmentError, Face, Surroundings};
 pub use film::{CHANNELS, Film, Pixel};
-pub use light::{Illumination, Light, LightError, LightSource, Lighting};
+pub use image::{Image, ImageError, MAX_IMAGE_PIXELS, Wrap};
+pub use light::{Illumination, Light, LightError, LightSource, Lighting, MAX_LIGHT_SAMPLES};
 pub use material::{Appearance, Channel, Material, MaterialError, Shading, Texture};
 pub use scene::{
     MAX_BOUNCES, MAX_LENGTH, MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings,
 };
 pub use solid::{Blended, Condition, Instance, NORMAL_INPUTS, Part, Solid, Tree};
+pub use tone::{ExposureError, Tone, ToneCurve};
