@@ -100,10 +100,12 @@ pub use fieldstone_render::{
     SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
 };
 pub use fieldstone_scene::{
-    Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera, CameraError,
-    Channel, Condition, Film, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, Material,
-    MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene, SceneError, Settings, Shading,
-    Solid, Texture, Tree, Up, View, linear_to_srgb, srgb_to_linear,
+    Aperture, Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera,
+    CameraError, Channel, Condition, Environment, EnvironmentError, ExposureError, Face, Film, Image,
+    ImageError, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, MAX_IMAGE_PIXELS,
+    MAX_LIGHT_SAMPLES, Material, MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene,
+    SceneError, Settings, Shading, Solid, Surroundings, Texture, Tone, ToneCurve, Tree, Up, View,
+    linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,
