@@ -63,6 +63,7 @@
 //! ```
 
 mod convert;
+mod document;
 mod endless;
 mod evaluate;
 mod extent;
@@ -76,6 +77,7 @@ mod request;
 mod slice;
 
 pub use convert::{ConvertError, convert};
+pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
