@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn what_lies_beyond_the_end_is_left_out() {
-        let hierarchy = Hierarchy::new(&boxes(300));
+        let hierarchy = Hierarchy::new(&boxes(3000));
         let ray = (DVec3::new(-1.0, 5.0, 5.0), DVec3::X);
         let mut found = Vec::new();
         hierarchy.crossed(ray, (0.0, 6.0), &mut found);
