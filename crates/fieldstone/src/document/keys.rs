@@ -118,12 +118,12 @@ pub(super) static BLEND: Section = Section {
         key("steepness", Number, "sigmoid: the slope; default: 10."),
         key("drive", Formula, "gaussian, sigmoid: what drives the weight; default: t."),
         key("a0", Number, "displacement, bounded: the height; default: 0.2."),
-        key("a1", Number, "displacement, bounded: how much the first counts; default: 1."),
-        key("a2", Number, "displacement, bounded: how much the second counts; default: 1."),
-        key("a3", Number, "bounded: how much the bounding solid counts; default: 1."),
+        key("a1", Number, "displacement: how far it reaches along the first; default: 1."),
+        key("a2", Number, "displacement: how far it reaches along the second; default: 1."),
+        key("b", Number, "bounded: how far it reaches; default: 1."),
         key("within", Solid, "bounded: where there is a blend."),
         key("k", Number, "smooth-minimum: how far it reaches; default: 0.2."),
-        key("degree", Choice(&["2", "3"]), "smooth-minimum: quadratic or cubic; default: 2."),
+        key("degree", Choice(&["quadratic", "cubic"]), "smooth-minimum: default: quadratic."),
     ],
 };
 

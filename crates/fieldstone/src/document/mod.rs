@@ -150,8 +150,11 @@ impl Document {
         let camera = view::camera(&numbers, request, (&stage.bounds()?, up), settings.size)?;
         let lighting = light::lighting(&numbers, &camera)?;
         let warnings: Vec<Warning> = stage.warnings.iter().map(|(_, warning)| *warning).collect();
-        let mut messages: Vec<String> =
-            stage.warnings.iter().map(|(name, warning)| warning.of_object(name)).collect();
+        let mut messages: Vec<String> = stage
+            .warnings
+            .iter()
+            .map(|(name, warning)| format!("warning: {}", warning.of_object(name)))
+            .collect();
         messages.extend(self.files.warnings());
         let object::Stage { solids, instances, objects, .. } = stage;
         let scene = Scene::with_instances(solids, instances, camera, lighting, settings)

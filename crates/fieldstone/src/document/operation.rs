@@ -9,7 +9,9 @@ use super::fault::Outcome;
 use super::material::MaterialDraft;
 use super::tree::{EMPTY, Table, Value};
 use fieldstone_field::{Graph, NodeId};
+use fieldstone_lang::Diagnostic;
 use fieldstone_scene::Tree;
+use fieldstone_solids::{Blend, Blended, Joint, gaussian, join, linear, sigmoid};
 
 /// How the set operations of a solid are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -55,18 +57,12 @@ impl<'d> Composer<'_, 'd> {
         let (from, from_shares) = self.absorbed(from, space, look)?;
         let (to, to_shares) = self.absorbed(to, space, look)?;
         let weight = self.graph.constant(share);
-        let (field, rest) = self.mixed(from, to, weight);
+        let one = self.graph.constant(1.0);
+        let rest = self.graph.sub(one, weight);
+        let field = linear(&mut self.graph, from, to, weight).value;
         let mut shares = self.scaled(from_shares, rest);
         shares.extend(self.scaled(to_shares, weight));
         Ok(self.blended(name, field, (first, shares)))
-    }
-
-    /// a·(1 − weight) + b·weight, exact at both ends, and 1 − weight.
-    fn mixed(&mut self, a: NodeId, b: NodeId, weight: NodeId) -> (NodeId, NodeId) {
-        let one = self.graph.constant(1.0);
-        let rest = self.graph.sub(one, weight);
-        let (from, to) = (self.graph.mul(a, rest), self.graph.mul(b, weight));
-        (self.graph.add(from, to), rest)
     }
 
     /// A solid whose parts are no parts of what is composed, with its materials.
@@ -133,46 +129,135 @@ impl<'d> Composer<'_, 'd> {
                 .with_help("write { solids = [\"a\", \"b\"], kind = \"hyperbolic\", c = 0.05 }")
                 .into());
         };
-        let numbers = BlendNumbers { kind: kind.text().unwrap_or_default(), table };
+        let kind_name = kind.text().unwrap_or_default();
+        refuse_other_numbers(table, kind_name)?;
+        let numbers = BlendTable { kind: kind_name, table };
         let first = self.parts.len();
         let (mut field, mut shares) = self.absorbed(&solids[0], space, look)?;
         for operand in &solids[1..] {
             let (other, others) = self.absorbed(operand, space, look)?;
-            let (joint, weights) = self.joint(&numbers, (field, other), (space, kind))?;
-            shares = self.scaled(shares, weights[0]);
-            shares.extend(self.scaled(others, weights[1]));
-            field = joint;
+            let joint = self.joint(&numbers, (field, other), space, value)?;
+            let one = self.graph.constant(1.0);
+            let rest = self.graph.sub(one, joint.share);
+            shares = self.scaled(shares, rest);
+            shares.extend(self.scaled(others, joint.share));
+            field = joint.value;
         }
         Ok(self.blended(name, field, (first, shares)))
     }
 
-    /// The blend of two fields, and how much of each material there is.
+    /// The blend of two fields, and how much of the second material there is.
     fn joint(
         &mut self,
-        numbers: &BlendNumbers<'d>,
+        numbers: &BlendTable<'d>,
         (f, g): (NodeId, NodeId),
-        (_space, kind): (&Space, &'d Value),
-    ) -> Outcome<(NodeId, [NodeId; 2])> {
-        match numbers.kind {
+        space: &Space,
+        value: &'d Value,
+    ) -> Outcome<Blended> {
+        const SHARE: Range = (0.0, 1.0, "from 0 to 1");
+        const FROM_ZERO: Range = (0.0, f64::MAX, "from 0 on");
+        const POSITIVE: Range = (f64::MIN_POSITIVE, f64::MAX, "above 0");
+        const ANY: Range = (f64::MIN, f64::MAX, "that is finite");
+        let mut number = |key: &str, usual: f64, range: Range| -> Outcome<NodeId> {
+            let given = numbers.table.get(key);
+            let number = given.map_or(Ok(usual), |value| self.numbers.ranged(value, range))?;
+            Ok(self.graph.constant(number))
+        };
+        let blend = match numbers.kind {
             "linear" => {
-                let weight = numbers.table.get("weight");
-                let weight = weight.map_or(Ok(0.5), |w| self.numbers.ranged(w, (0.0, 1.0, "from 0 to 1")))?;
-                let weight = self.graph.constant(weight);
-                let (field, rest) = self.mixed(f, g, weight);
-                Ok((field, [rest, weight]))
+                let weight = number("weight", 0.5, SHARE)?;
+                return Ok(linear(&mut self.graph, f, g, weight));
             }
-            _ => Err(kind
-                .error(format!("blends of the kind `{}` are not there yet", numbers.kind), "here")
-                .into()),
+            "gaussian" => {
+                let sigma = number("sigma", 1.0, POSITIVE)?;
+                let drive = self.drive(numbers.table, space)?;
+                let rest = gaussian(&mut self.graph, sigma, drive);
+                let one = self.graph.constant(1.0);
+                let weight = self.graph.sub(one, rest);
+                return Ok(linear(&mut self.graph, f, g, weight));
+            }
+            "sigmoid" => {
+                let steepness = number("steepness", 10.0, POSITIVE)?;
+                let drive = self.drive(numbers.table, space)?;
+                let weight = sigmoid(&mut self.graph, steepness, drive);
+                return Ok(linear(&mut self.graph, f, g, weight));
+            }
+            "product" => Blend::Product { c: number("c", 0.01, FROM_ZERO)? },
+            "hyperbolic" => Blend::Hyperbolic { c: number("c", 0.01, FROM_ZERO)? },
+            "super-elliptic" => {
+                let a = number("radius", 1.0, POSITIVE)?;
+                Blend::SuperElliptic { a, b: a, p: number("power", 2.0, (1.0, 1e3, "from 1 on"))? }
+            }
+            "displacement" => Blend::Displacement {
+                a0: number("a0", 0.2, ANY)?,
+                a1: number("a1", 1.0, POSITIVE)?,
+                a2: number("a2", 1.0, POSITIVE)?,
+            },
+            "bounded" => {
+                let (a0, b) = (number("a0", 0.2, ANY)?, number("b", 1.0, POSITIVE)?);
+                let Some(within) = numbers.table.get("within") else {
+                    return Err(value.error("a bounded blend has a solid `within`", "incomplete").into());
+                };
+                let (bound, _) = self.absorbed(within, space, Look::default())?;
+                Blend::Bounded { a0, b, bound }
+            }
+            _ => {
+                let k = number("k", 0.2, FROM_ZERO)?;
+                let is_cubic = numbers.table.get("degree").and_then(Value::text) == Some("cubic");
+                if is_cubic { Blend::Cubic { k } } else { Blend::Quadratic { k } }
+            }
+        };
+        let joint = match numbers.table.get("operation").and_then(Value::text) {
+            Some("intersection") => Joint::Intersection,
+            Some("difference") => Joint::Difference,
+            _ => Joint::Union,
+        };
+        Ok(join(&mut self.graph, joint, &blend, f, g))
+    }
+
+    /// What drives the weight of a transition.
+    fn drive(&mut self, table: &'d Table, space: &Space) -> Outcome<NodeId> {
+        match table.get("drive") {
+            Some(drive) => {
+                self.formula(drive, space, Names { parameters: true, fields: true, normal: false })
+            }
+            None => Ok(self.graph.constant(self.numbers.time())),
         }
     }
 }
 
-/// The kind of a blend with its numbers.
-struct BlendNumbers<'d> {
+/// The least and the largest value, and the range in words.
+type Range = (f64, f64, &'static str);
+
+/// A blend, as a scene file has it.
+struct BlendTable<'d> {
     kind: &'d str,
     table: &'d Table,
 }
 
-#[allow(dead_code, reason = "for operations whose drive is a formula of space")]
-const DRIVE: Names = Names { parameters: true, fields: true, normal: false };
+/// The numbers of each kind of blend.
+pub(super) const BLEND_NUMBERS: [(&str, &[&str]); 9] = [
+    ("product", &["c", "operation"]),
+    ("linear", &["weight"]),
+    ("hyperbolic", &["c", "operation"]),
+    ("super-elliptic", &["radius", "power", "operation"]),
+    ("gaussian", &["sigma", "drive"]),
+    ("sigmoid", &["steepness", "drive"]),
+    ("displacement", &["a0", "a1", "a2", "operation"]),
+    ("bounded", &["a0", "b", "within", "operation"]),
+    ("smooth-minimum", &["k", "degree", "operation"]),
+];
+
+/// Numbers of other kinds of blends have no meaning.
+fn refuse_other_numbers(table: &Table, kind: &str) -> Outcome<()> {
+    let own = BLEND_NUMBERS.iter().find(|(name, _)| *name == kind).map_or(&[] as &[&str], |(_, own)| own);
+    let is_own = |key: &str| own.contains(&key) || key == "solids" || key == "kind";
+    match table.entries.iter().find(|entry| !is_own(&entry.key)) {
+        None => Ok(()),
+        Some(entry) => {
+            let message = format!("`{}` has no meaning with kind = \"{kind}\"", entry.key);
+            let error = Diagnostic::error(entry.key_span.clone(), message, "without a meaning");
+            Err(error.with_help(format!("it has {}", own.join(", "))).into())
+        }
+    }
+}
