@@ -63,6 +63,7 @@
 //! ```
 
 mod convert;
+mod data;
 mod endless;
 mod evaluate;
 mod extent;
@@ -76,6 +77,10 @@ mod request;
 mod slice;
 
 pub use convert::{ConvertError, convert};
+pub use data::{
+    DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw,
+    load_voxels,
+};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use inputs::{InputError, Inputs};
@@ -105,6 +110,7 @@ pub use fieldstone_scene::{
     MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene, SceneError, Settings, Shading,
     Solid, Texture, Tree, Up, View, linear_to_srgb, srgb_to_linear,
 };
+pub use fieldstone_solids::{Interpolation, PointCloud, PointError, Reconstruction, VoxelArray, VoxelError};
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,
 };

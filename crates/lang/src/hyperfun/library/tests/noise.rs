@@ -1,8 +1,8 @@
 //! Perlin's noise and what is made of it.
 
-use fieldstone_solids::gradient_noise;
 use super::{Dialect, Given, Random, call, check_gradient, check_inclusion, value};
 use fieldstone_field::Interval;
+use fieldstone_solids::gradient_noise;
 
 const SPACE: [(f64, f64); 3] = [(-300.0, 300.0); 3];
 
