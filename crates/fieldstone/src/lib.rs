@@ -79,11 +79,11 @@ mod request;
 mod slice;
 
 pub use convert::{ConvertError, convert};
-pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};
 pub use data::{
     DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw,
     load_voxels,
 };
+pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use frames::{Frames, FramesError, MAX_FRAMES};
