@@ -256,7 +256,7 @@ fn what_a_language_cannot_say_is_an_error_with_the_reason() {
     }
     let unknown = PrintError::Function { name: "hfA_NoiseP", syntax: Syntax::Vm };
     assert_eq!(error(&noise, Syntax::Vm), unknown);
-    assert_eq!(print_model(&noise, Syntax::Formula, &[]).unwrap().text, "-noise(x, 0, 0)\n");
+    assert_eq!(print_model(&noise, Syntax::Formula, &[]).unwrap().text, "a1 = 0;\n-noise(x, 0, 0)\n");
     assert!(
         print_model(&noise, Syntax::HyperFun, &[]).is_ok()
             && print_model(&fifth, Syntax::HyperFun, &[]).is_ok()
