@@ -124,7 +124,7 @@ fn of_bearable_size(loaded: Loaded) -> Result<Loaded, Diagnostics> {
     Err(Diagnostics { source: loaded.source, list: vec![error.with_help(help)] })
 }
 
-fn read_text(path: &Path) -> Result<String, LoadError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, LoadError> {
     let unreadable = |reason: io::Error| match reason.kind() {
         io::ErrorKind::NotFound => LoadError::NotFound(path.to_owned()),
         _ => LoadError::Unreadable { path: path.to_owned(), reason },
