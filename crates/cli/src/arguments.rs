@@ -2,8 +2,11 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use fieldstone::glam::DVec3;
-use fieldstone::{Dialect, Inputs, LoadOptions, Loaded, LoopError, Plane, formula, load, settle_loops};
-use std::path::PathBuf;
+use fieldstone::{
+    Dialect, Document, FileAccess, Inputs, LoadOptions, Loaded, LoopError, Plane, SceneRequest, formula,
+    load, settle_loops,
+};
+use std::path::{Path, PathBuf};
 
 use crate::convert::ConvertArguments;
 use crate::examples;
@@ -33,13 +36,13 @@ pub(crate) struct Arguments {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Draw a model.
+    /// Draw a model or a scene.
     #[command(after_help = examples::RENDER)]
     Render(Box<RenderArguments>),
     /// Print the values of a model at the points on standard input, one a line; empty lines stay empty.
     #[command(after_help = examples::EVAL)]
     Eval(EvalArguments),
-    /// Say what is in a model, and what is strange about it.
+    /// Say what is in a model or a scene, and what is strange about it.
     #[command(after_help = examples::CHECK)]
     Check(CheckArguments),
     /// Print bounds of the volume, area, centroid and extent of a solid, all of them proved.
@@ -51,6 +54,8 @@ pub(crate) enum Command {
     /// Write a model in another language: HyperFun, a program or a formula.
     #[command(after_help = examples::CONVERT)]
     Convert(ConvertArguments),
+    /// Print the JSON Schema of scene files, for editors.
+    Schema,
     /// Print the completions of a shell, for its start-up file.
     #[command(after_help = examples::COMPLETIONS)]
     Completions(CompletionsArguments),
@@ -63,7 +68,7 @@ pub(crate) enum Command {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub(crate) struct ModelArguments {
-    /// The file of the model.
+    /// The file of the model, or of a scene (.toml).
     #[arg(value_name = "MODEL", required_unless_present = "expression")]
     model: Option<PathBuf>,
     /// A formula instead of a file, negative inside: 'x^2 + y^2 + z^2 - 1'.
@@ -84,9 +89,9 @@ pub(crate) struct ModelArguments {
     /// How many turns loops may take at a point before it counts as undefined [default: up to 1000000].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     fuel: Option<u32>,
-    /// The time: `t` in formulas.
-    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = parse_number, default_value = "0")]
-    time: f64,
+    /// The time in seconds: `t` in formulas [default: 0].
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = parse_number)]
+    time: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -126,7 +131,39 @@ impl ModelArguments {
 
     /// The values of its inputs.
     pub(crate) fn inputs(&self) -> Inputs {
-        Inputs { parameters: self.parameters.clone(), coordinates: self.coordinates.clone(), time: self.time }
+        let time = self.time.unwrap_or(0.0);
+        Inputs { parameters: self.parameters.clone(), coordinates: self.coordinates.clone(), time }
+    }
+
+    /// The scene file that it is, if it is one.
+    pub(crate) fn scene(&self) -> Option<&Path> {
+        let is_scene = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+        self.model.as_ref().filter(is_scene).map(PathBuf::as_path)
+    }
+
+    /// Reads the scene file at `path`; options that are about models have no meaning then.
+    pub(crate) fn load_scene(&self, path: &Path, access: &FileAccess) -> Result<Document, Failure> {
+        let for_models = [
+            ("--object", self.object.is_some()),
+            ("--coord", !self.coordinates.is_empty()),
+            ("--fuel", self.fuel.is_some()),
+        ];
+        if let Some((option, _)) = for_models.iter().find(|(_, given)| *given) {
+            let message = format!("{option} is for models: a scene file says it with a key of its solids");
+            return Err(Failure::Usage(message));
+        }
+        Ok(Document::load(path, access)?)
+    }
+
+    /// What goes before the numbers of a scene file.
+    pub(crate) fn scene_request(&self, document: &Document) -> Result<SceneRequest, Failure> {
+        let known: Vec<&str> = document.parameter_names().collect();
+        if let Some((name, _)) = self.parameters.iter().find(|(name, _)| !known.contains(&name.as_str())) {
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            return Err(Failure::Usage(format!("the scene has no parameter `{name}`; it has {known}")));
+        }
+        let parameters = self.parameters.clone();
+        Ok(SceneRequest { time: self.time, parameters, ..SceneRequest::default() })
     }
 }
 
@@ -145,6 +182,12 @@ pub(crate) struct CheckArguments {
     /// Print JSON, for other programs; errors of the model too.
     #[arg(long, help_heading = OUTPUT)]
     pub(crate) json: bool,
+    /// Let a scene file read what lies in this folder, beside its own; may be repeated.
+    #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
+    pub(crate) allow_read: Vec<PathBuf>,
+    /// Let a scene file read every file.
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) allow_outside: bool,
 }
 
 /// The arguments of `completions`.
@@ -170,9 +213,9 @@ pub(crate) struct RenderArguments {
     /// The picture: .png for the eye, .exr for all layers in linear light.
     #[arg(short, long, help_heading = OUTPUT, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Width and height in pixels.
-    #[arg(long, help_heading = VIEW, value_name = "WxH", allow_hyphen_values = true, default_value = "512x512", value_parser = parse_size)]
-    pub(crate) size: (u32, u32),
+    /// Width and height in pixels [default: 512x512].
+    #[arg(long, help_heading = VIEW, value_name = "WxH", allow_hyphen_values = true, value_parser = parse_size)]
+    pub(crate) size: Option<(u32, u32)>,
     /// Where the camera stands [default: in front, to the right and above, as near as fits].
     #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
     pub(crate) eye: Option<DVec3>,
@@ -209,9 +252,9 @@ pub(crate) struct RenderArguments {
     /// How `--slice` shows values [default: contours].
     #[arg(long, help_heading = VIEW, value_enum, value_name = "STYLE")]
     pub(crate) slice_style: Option<SliceStyleName>,
-    /// How surfaces are found.
-    #[arg(long, help_heading = METHOD, value_enum, default_value_t = MethodName::Affine)]
-    pub(crate) method: MethodName,
+    /// How surfaces are found [default: affine].
+    #[arg(long, help_heading = METHOD, value_enum)]
+    pub(crate) method: Option<MethodName>,
     /// The step of `--method sampled`, relative to the longest side of the bounds.
     #[arg(long, help_heading = METHOD, value_name = "S", allow_hyphen_values = true)]
     pub(crate) step: Option<f64>,
@@ -221,9 +264,21 @@ pub(crate) struct RenderArguments {
     /// Let `--method interval` accept spans this short without proof, relative to the longest side.
     #[arg(long, help_heading = METHOD, value_name = "E", allow_hyphen_values = true)]
     pub(crate) accept_epsilon: Option<f64>,
-    /// Samples of a pixel where there are edges in it.
-    #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true, default_value_t = 4)]
-    pub(crate) samples: u32,
+    /// Samples of a pixel where there are edges in it [default: 4].
+    #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true)]
+    pub(crate) samples: Option<u32>,
+    /// Draw pictures A to B of a film; `#` in the name of the picture stand for digits.
+    #[arg(long, help_heading = OUTPUT, value_name = "A..B", value_parser = parse_frames, conflicts_with_all = ["time", "stats", "slice"])]
+    pub(crate) frames: Option<(u32, u32)>,
+    /// How many pictures of `--frames` there are in a second [default: 24].
+    #[arg(long, help_heading = OUTPUT, value_name = "N", requires = "frames", allow_hyphen_values = true)]
+    pub(crate) fps: Option<f64>,
+    /// Let a scene file read what lies in this folder, beside its own; may be repeated.
+    #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
+    pub(crate) allow_read: Vec<PathBuf>,
+    /// Let a scene file read every file.
+    #[arg(long, help_heading = OUTPUT)]
+    pub(crate) allow_outside: bool,
     /// How many threads [default: one for each core].
     #[arg(long, help_heading = METHOD, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
@@ -299,6 +354,13 @@ pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(hint)?;
     let number = |text: &str| text.trim().parse().map_err(|_| hint());
     Ok((number(width)?, number(height)?))
+}
+
+fn parse_frames(text: &str) -> Result<(u32, u32), String> {
+    let hint = || format!("`{text}` is not a range: write 0..47");
+    let (first, last) = text.split_once("..").ok_or_else(hint)?;
+    let number = |text: &str| text.trim().parse().map_err(|_| hint());
+    Ok((number(first)?, number(last)?))
 }
 
 fn parse_parameter(text: &str) -> Result<(String, f64), String> {

@@ -1,8 +1,8 @@
 //! How the program ends when it does not succeed.
 
 use fieldstone::{
-    BallError, BoundsError, Diagnostics, InputError, LoadError, MeasureError, OutputError, PictureError,
-    PlotError, RenderError, RequestError, SliceError, SliceRequestError,
+    BallError, BoundsError, Diagnostics, FramesError, InputError, LoadError, MeasureError, OutputError,
+    PictureError, PlotError, RenderError, RequestError, SliceError, SliceRequestError,
 };
 use std::{fmt, io};
 
@@ -19,6 +19,8 @@ pub(crate) enum Failure {
     ClosedPipe,
     /// The user asked it to, before there was a file.
     Interrupted,
+    /// The user asked it to, after so many files.
+    InterruptedAfter(u32),
 }
 
 impl Failure {
@@ -29,7 +31,7 @@ impl Failure {
             Self::Material(_) | Self::Model(_) => 1,
             Self::Usage(_) => 2,
             // What shells say of a program that SIGINT ended.
-            Self::Interrupted => 130,
+            Self::Interrupted | Self::InterruptedAfter(_) => 130,
         }
     }
 
@@ -49,7 +51,9 @@ impl fmt::Display for Failure {
             // Diagnostics begin with the word "error" themselves.
             Self::Model(diagnostics) => diagnostics.fmt(f),
             Self::ClosedPipe => f.write_str("the output was closed"),
-            Self::Interrupted => f.write_str("interrupted: nothing was written"),
+            Self::Interrupted | Self::InterruptedAfter(0) => f.write_str("interrupted: nothing was written"),
+            Self::InterruptedAfter(1) => f.write_str("interrupted: one picture was written"),
+            Self::InterruptedAfter(count) => write!(f, "interrupted: {count} pictures were written"),
         }
     }
 }
@@ -65,7 +69,7 @@ macro_rules! failures {
 }
 
 failures! {
-    Usage: InputError, BallError, BoundsError, RequestError, SliceError, SliceRequestError, MeasureError, PlotError;
+    Usage: InputError, BallError, BoundsError, RequestError, SliceError, SliceRequestError, MeasureError, PlotError, FramesError;
     Material: OutputError, PictureError;
 }
 

@@ -7,8 +7,8 @@ use crate::progress::Progress;
 use crate::slice;
 use fieldstone::glam::DVec3;
 use fieldstone::{
-    Ball, Bounds, Method, Projection, RenderOptions, RenderRequest, Rendered, Resolved, Settings, View,
-    Warning, write_beside, write_exr, write_png,
+    Ball, Bounds, Document, FileAccess, Frames, Loaded, Method, Projection, RenderOptions, RenderRequest,
+    Rendered, Resolved, SceneRequest, Settings, View, Warning, write_beside, write_exr, write_png,
 };
 use serde::Serialize;
 use std::io::Write;
@@ -22,7 +22,16 @@ enum Kind {
     Exr,
 }
 
-/// Draws a model and writes the picture.
+/// The size of a picture unless another is asked for.
+pub(crate) const DEFAULT_SIZE: (u32, u32) = (512, 512);
+
+/// What is drawn.
+enum Subject {
+    Model(Box<Loaded>),
+    Scene(Box<Document>),
+}
+
+/// Draws a model or a scene and writes the picture, or the pictures of a film.
 pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Failure> {
     let interrupt = Interrupt::listen();
     let kind = output_kind(&arguments.output)?;
@@ -33,42 +42,136 @@ pub(crate) fn run(arguments: &RenderArguments, start: Instant) -> Result<(), Fai
         let message = format!("{}: the picture and --stats cannot be one file", arguments.output.display());
         return Err(Failure::Usage(message));
     }
+    let frames = match arguments.frames {
+        Some(range) => Some(Frames::new(range, arguments.fps.unwrap_or(24.0), &arguments.output)?),
+        None => None,
+    };
     let request = request(arguments)?;
-    let loaded = arguments.model.load()?;
-    if slice::is_meant(arguments, &loaded)? {
-        return slice::run(arguments, &loaded, start);
+    let subject = match arguments.model.scene() {
+        Some(path) => Subject::Scene(Box::new(scene(arguments, path)?)),
+        None => {
+            let loaded = arguments.model.load()?;
+            if slice::is_meant(arguments, &loaded)? {
+                return flat(arguments, &loaded, start);
+            }
+            Subject::Model(Box::new(loaded))
+        }
+    };
+    let work = Work { arguments, subject, request, kind, interrupt };
+    match frames {
+        None => work.picture(&arguments.output, None, start),
+        Some(frames) => {
+            for (done, (path, time)) in (0..).zip(frames.iter()) {
+                let drawn = work.picture(&path, Some(time), Instant::now());
+                drawn.map_err(|failure| match failure {
+                    Failure::Interrupted => Failure::InterruptedAfter(done),
+                    other => other,
+                })?;
+            }
+            Ok(())
+        }
     }
-    let mut resolved = request.resolve(&loaded.model)?;
-    if !arguments.quiet {
-        loaded.rendered_warnings().for_each(|warning| eprintln!("{warning}"));
-        resolved.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+}
+
+fn flat(arguments: &RenderArguments, loaded: &Loaded, start: Instant) -> Result<(), Failure> {
+    if arguments.frames.is_some() {
+        return Err(Failure::Usage("--frames draws solids: flat pictures are drawn one by one".to_owned()));
     }
-    let rendered = draw(arguments, &resolved, &interrupt)?;
-    if let Some(warning) = Warning::of_picture(&rendered.stats, &resolved.warnings) {
-        resolved.warnings.push(warning);
+    slice::run(arguments, loaded, start)
+}
+
+/// Reads a scene file; options that are about one model have no meaning then.
+fn scene(arguments: &RenderArguments, path: &Path) -> Result<Document, Failure> {
+    let for_models = [
+        ("--bounds", arguments.bounds.is_some()),
+        ("--open", arguments.open),
+        ("--surface", arguments.surface),
+        ("--clip-sphere", arguments.clip_sphere.is_some()),
+        ("--slice", arguments.slice.is_some()),
+        ("--slice-style", arguments.slice_style.is_some()),
+    ];
+    if let Some((option, _)) = for_models.iter().find(|(_, given)| *given) {
+        let message = format!("{option} is for models: a scene file says it with a key of its objects");
+        return Err(Failure::Usage(message));
+    }
+    let access = FileAccess { folders: arguments.allow_read.clone(), outside: arguments.allow_outside };
+    arguments.model.load_scene(path, &access)
+}
+
+/// What there is to do, and for whom.
+struct Work<'a> {
+    arguments: &'a RenderArguments,
+    subject: Subject,
+    request: RenderRequest,
+    kind: Kind,
+    interrupt: Interrupt,
+}
+
+impl Work<'_> {
+    /// Draws one picture, at a time of its own if it is one of a film.
+    fn picture(&self, path: &Path, time: Option<f64>, start: Instant) -> Result<(), Failure> {
+        let arguments = self.arguments;
+        let (mut resolved, messages) = self.resolve(time)?;
         if !arguments.quiet {
-            eprintln!("warning: {warning}");
+            messages.iter().for_each(|message| eprintln!("{message}"));
+        }
+        let rendered = draw(arguments, &resolved, &self.interrupt)?;
+        if let Some(warning) = Warning::of_picture(&rendered.stats, &resolved.warnings) {
+            resolved.warnings.push(warning);
+            if !arguments.quiet {
+                eprintln!("warning: {warning}");
+            }
+        }
+        let summary = Summary::new(&resolved, &rendered, start);
+        self.interrupt.writing(|| {
+            match self.kind {
+                Kind::Png => write_png(&rendered.film, &resolved.scene.lighting().background, path)?,
+                Kind::Exr => write_exr(&rendered.film, path)?,
+            }
+            if let Some(path) = &arguments.stats {
+                write_beside(path, |file| {
+                    serde_json::to_writer_pretty(&mut *file, &summary)?;
+                    writeln!(file)
+                })?;
+            }
+            Ok(())
+        })?;
+        if arguments.quiet {
+            return Ok(());
+        }
+        let name = if time.is_some() { format!("{}: ", path.display()) } else { String::new() };
+        writeln!(std::io::stdout(), "{name}{}", summary.line())
+            .map_err(|e| Failure::of_stream("standard output", &e))
+    }
+
+    /// The scene, and what is to be said of it.
+    fn resolve(&self, time: Option<f64>) -> Result<(Resolved, Vec<String>), Failure> {
+        match &self.subject {
+            Subject::Model(loaded) => {
+                let mut request = self.request.clone();
+                request.inputs.time = time.unwrap_or(request.inputs.time);
+                let resolved = request.resolve(&loaded.model)?;
+                let warnings = resolved.warnings.iter().map(|warning| format!("warning: {warning}"));
+                let messages = loaded.rendered_warnings().chain(warnings).collect();
+                Ok((resolved, messages))
+            }
+            Subject::Scene(document) => {
+                let arguments = self.arguments;
+                let wishes = arguments.model.scene_request(document)?;
+                let request = SceneRequest {
+                    time: time.or(wishes.time),
+                    view: self.request.view,
+                    size: arguments.size,
+                    samples: arguments.samples,
+                    method: arguments.method.map(|_| self.request.settings.method),
+                    tolerance: arguments.tolerance,
+                    ..wishes
+                };
+                let found = document.resolve(&request)?;
+                Ok((found.resolved, found.messages))
+            }
         }
     }
-    let summary = Summary::new(&resolved, &rendered, start);
-    interrupt.writing(|| {
-        match kind {
-            Kind::Png => write_png(&rendered.film, &resolved.scene.lighting().background, &arguments.output)?,
-            Kind::Exr => write_exr(&rendered.film, &arguments.output)?,
-        }
-        if let Some(path) = &arguments.stats {
-            write_beside(path, |file| {
-                serde_json::to_writer_pretty(&mut *file, &summary)?;
-                writeln!(file)
-            })?;
-        }
-        Ok(())
-    })?;
-    if !arguments.quiet {
-        let line = summary.line();
-        writeln!(std::io::stdout(), "{line}").map_err(|e| Failure::of_stream("standard output", &e))?;
-    }
-    Ok(())
 }
 
 fn draw(
@@ -124,12 +227,13 @@ fn request(arguments: &RenderArguments) -> Result<RenderRequest, Failure> {
         arguments.fov.map(|degrees| Projection::Perspective { vertical_fov_radians: degrees.to_radians() });
     let projection = arguments.ortho.map(|height| Projection::Orthographic { height }).or(fov);
     let view = View { eye: arguments.eye, target: arguments.target, up: arguments.up, projection };
+    let usual = Settings::default();
     let settings = Settings {
-        size: arguments.size,
-        samples: arguments.samples,
+        size: arguments.size.unwrap_or(DEFAULT_SIZE),
+        samples: arguments.samples.unwrap_or(usual.samples),
         method: method(arguments)?,
         tolerance: arguments.tolerance,
-        ..Settings::default()
+        ..usual
     };
     Ok(RenderRequest {
         inputs: arguments.model.inputs(),
@@ -146,7 +250,8 @@ fn method(arguments: &RenderArguments) -> Result<Method, Failure> {
     let only_for = |option: &str, method: &str| {
         Err(Failure::Usage(format!("{option} has a meaning with --method {method} only")))
     };
-    match (arguments.method, arguments.step, arguments.accept_epsilon) {
+    let name = arguments.method.unwrap_or(MethodName::Affine);
+    match (name, arguments.step, arguments.accept_epsilon) {
         (MethodName::Affine | MethodName::Interval, Some(_), _) => only_for("--step", "sampled"),
         (MethodName::Affine | MethodName::Sampled, _, Some(_)) => only_for("--accept-epsilon", "interval"),
         (MethodName::Affine, None, None) => Ok(Method::Affine),

@@ -2,7 +2,7 @@
 
 use crate::arguments::{RenderArguments, SliceStyleName};
 use crate::failure::Failure;
-use crate::render::{bounds, percent};
+use crate::render::{DEFAULT_SIZE, bounds, percent};
 use fieldstone::{
     Loaded, SlicePicture, SliceRequest, SliceStats, SliceStyle, SliceWarning, draw_slice, write_beside,
     write_rgb,
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &RenderArguments, loaded: &Loaded, start: Instant) 
         inputs: arguments.model.inputs(),
         plane: arguments.slice.and_then(|slice| slice.0),
         bounds: bounds(arguments)?,
-        size: arguments.size,
+        size: arguments.size.unwrap_or(DEFAULT_SIZE),
         style: match arguments.slice_style {
             Some(SliceStyleName::Plain) => SliceStyle::Plain,
             Some(SliceStyleName::Contours) | None => SliceStyle::Contours,

@@ -63,9 +63,11 @@
 //! ```
 
 mod convert;
+mod document;
 mod endless;
 mod evaluate;
 mod extent;
+mod frames;
 mod inputs;
 mod load;
 mod measure;
@@ -76,8 +78,10 @@ mod request;
 mod slice;
 
 pub use convert::{ConvertError, convert};
+pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
+pub use frames::{Frames, FramesError, MAX_FRAMES};
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
 pub use measure::{MeasureError, MeasureRequest, Measured};
@@ -100,10 +104,12 @@ pub use fieldstone_render::{
     SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
 };
 pub use fieldstone_scene::{
-    Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera, CameraError,
-    Channel, Condition, Film, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, Material,
-    MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene, SceneError, Settings, Shading,
-    Solid, Texture, Tree, Up, View, linear_to_srgb, srgb_to_linear,
+    Aperture, Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera,
+    CameraError, Channel, Condition, Environment, EnvironmentError, ExposureError, Face, Film, Image,
+    ImageError, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, MAX_IMAGE_PIXELS,
+    MAX_LIGHT_SAMPLES, Material, MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene,
+    SceneError, Settings, Shading, Solid, Surroundings, Texture, Tone, ToneCurve, Tree, Up, View,
+    linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,

@@ -109,7 +109,7 @@ pub fn formula(text: &str) -> Result<Loaded, Diagnostics> {
     Ok(Loaded { model: parse_formula(&source)?, source })
 }
 
-fn read_text(path: &Path) -> Result<String, LoadError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, LoadError> {
     let unreadable = |reason: io::Error| match reason.kind() {
         io::ErrorKind::NotFound => LoadError::NotFound(path.to_owned()),
         _ => LoadError::Unreadable { path: path.to_owned(), reason },

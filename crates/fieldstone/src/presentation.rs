@@ -70,6 +70,7 @@ pub(crate) fn lighting(shown: &Presentation, camera: &Camera) -> Lighting {
         lights: lamps.iter().filter_map(light).collect(),
         ambient: DVec3::splat(srgb_to_linear(ambient)),
         background,
+        environment: None,
     }
 }
 

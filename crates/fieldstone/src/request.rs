@@ -74,6 +74,13 @@ impl Warning {
         }
     }
 
+    /// What it says of an object of a scene file, where keys have the place of options.
+    pub(crate) fn of_object(&self, name: &str) -> String {
+        let keys = [("--bounds", "`bounds`"), ("--clip-sphere", "`clip_sphere`"), ("--surface", "`surface`")];
+        let text = keys.iter().fold(self.to_string(), |text, (option, key)| text.replace(option, key));
+        format!("{name}: {text}")
+    }
+
     /// What a picture gives reason to say; nothing if a warning about its scene says why.
     pub fn of_picture(stats: &Stats, scene_warnings: &[Self]) -> Option<Self> {
         use Warning::{Empty, EmptySurface, NotFound, NothingInSphere, Undefined};

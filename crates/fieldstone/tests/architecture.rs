@@ -4,8 +4,9 @@ use serde_json::Value;
 use std::process::Command;
 
 /// The allowed edges. Whoever is not named knows nobody.
-const ALLOWED: [(&str, &[&str]); 9] = [
-    ("fieldstone-lang", &["fieldstone-field"]),
+const ALLOWED: [(&str, &[&str]); 10] = [
+    ("fieldstone-solids", &["fieldstone-field"]),
+    ("fieldstone-lang", &["fieldstone-field", "fieldstone-solids"]),
     ("fieldstone-trace", &["fieldstone-field"]),
     ("fieldstone-space", &["fieldstone-trace", "fieldstone-field"]),
     ("fieldstone-scene", &["fieldstone-field", "fieldstone-texel"]),
@@ -23,6 +24,7 @@ const ALLOWED: [(&str, &[&str]); 9] = [
             "fieldstone-trace",
             "fieldstone-space",
             "fieldstone-scene",
+            "fieldstone-solids",
             "fieldstone-render",
             "fieldstone-gpu",
         ],

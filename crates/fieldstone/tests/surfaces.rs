@@ -33,7 +33,12 @@ fn camera(eye: DVec3, height: f64) -> Camera {
 
 fn draw(solid: Solid, camera: Camera, lights: Vec<Light>, method: Method) -> (Scene, Rendered) {
     let settings = Settings { size: (SIZE, SIZE), samples: 1, method, ..Settings::default() };
-    let lighting = Lighting { lights, ambient: DVec3::ZERO, background: Background::plain(DVec3::ZERO) };
+    let lighting = Lighting {
+        lights,
+        ambient: DVec3::ZERO,
+        background: Background::plain(DVec3::ZERO),
+        environment: None,
+    };
     let scene = Scene::new(vec![solid], camera, lighting, settings).expect("the scene is sound");
     let rendered = render(&scene, &RenderOptions::default()).expect("threads start");
     (scene, rendered)

@@ -7,8 +7,13 @@
 //!
 //! [`draw_slice`] draws a field on a plane instead.
 
+mod conditions;
+mod hierarchy;
+mod instances;
 mod integrator;
 mod jump;
+mod object;
+mod owner;
 mod query;
 mod slice;
 mod tile;

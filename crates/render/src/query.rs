@@ -1,48 +1,50 @@
 //! What rays may ask of a scene.
+//!
+//! Parts are numbered over all solids: those of the first solid come first, in their order. All instances of a solid have
+//! the same parts.
 
-use crate::jump::Probe;
-use fieldstone_field::{F64, Gradients, LANES, Points, Reading, Tape, TapeOptions, Workspace};
-use fieldstone_scene::{Appearance, Method, RaySpan, Scene, Solid};
-use fieldstone_trace::{Certificate, Outcome, Ray, Settings, Tracer};
+use crate::hierarchy::Hierarchy;
+use crate::instances::hierarchy_of;
+use crate::object::{Object, Sought};
+use crate::owner::Bracket;
+use fieldstone_field::{F64, Gradients, LANES, Points, Workspace};
+use fieldstone_scene::{Appearance, Instance, Scene};
+use fieldstone_trace::{Certificate, Tracer};
 use glam::DVec3;
-
-/// The step of the sampled method, relative to the longest side of the bounds.
-const DEFAULT_STEP: f64 = 1.0 / 256.0;
-/// The width of final brackets of the methods that do not converge quadratically, relative to the longest side.
-const COARSE_TOLERANCE: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// A scene with its programs compiled.
 pub(crate) struct Prepared<'s> {
     pub(crate) scene: &'s Scene,
-    solids: Vec<PreparedSolid<'s>>,
-}
-
-struct PreparedSolid<'s> {
-    solid: &'s Solid,
-    /// The value, for its sign.
-    sign: Tape,
-    /// The value with the attributes.
-    attributes: Tape,
-    settings: Settings,
+    pub(crate) objects: Vec<Object<'s>>,
+    /// Of the instances; none if they are few and none is moved.
+    pub(crate) hierarchy: Option<Hierarchy>,
+    /// Which instances are moved.
+    pub(crate) moved: Vec<bool>,
 }
 
 /// The nearest surface along a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
-    /// Which solid, counted from 0.
+    /// Which part of all solids, counted from 0.
     pub(crate) part: usize,
+    /// Which instance, counted from 0.
+    pub(crate) instance: usize,
     /// Distance along the ray.
     pub(crate) t: f64,
+    /// The bracket around it along the ray: surfaces within it are the same place.
+    pub(crate) near: f64,
+    pub(crate) far: f64,
     /// The surface, seen from where the ray comes from: the last place that is certainly before it.
     pub(crate) before: DVec3,
     /// A place certainly behind it.
+    #[allow(dead_code, reason = "where light goes on that is let through")]
     pub(crate) behind: DVec3,
-    /// The normal of a cap, where the bounds cut the solid.
-    cap: Option<DVec3>,
     /// Whether it is seen from where the field is negative.
     pub(crate) from_inside: bool,
-    /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
-    gradient_place: DVec3,
+    /// The outward normal of a cap, where the bounds cut the solid, in the solid's space.
+    pub(crate) cap: Option<DVec3>,
+    /// Where the gradient of the field is the normal, in the solid's space.
+    pub(crate) gradient_place: DVec3,
 }
 
 /// The answer to a surface query.
@@ -59,37 +61,76 @@ pub(crate) struct Segments;
 /// What a thread needs to ask.
 #[derive(Default)]
 pub(crate) struct Asker {
-    tracer: Tracer,
+    pub(crate) tracer: Tracer,
     gradients: Workspace<F64, Gradients>,
     points: Workspace<F64, Points>,
+    pub(crate) owner: crate::owner::Memory,
+    pub(crate) conditions: crate::conditions::Memory,
     /// Evaluations of fields so far, over points and sets.
     pub(crate) evaluations: u64,
     /// Rays so far.
     pub(crate) rays: u64,
 }
 
+/// Rays, a unit direction from an origin each, and what is sought along them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Question<'q> {
+    pub(crate) rays: &'q [(DVec3, DVec3)],
+    /// Nothing is sought behind these distances.
+    pub(crate) furthest: Option<&'q [f64]>,
+    pub(crate) sought: Sought,
+}
+
+impl Question<'_> {
+    pub(crate) fn furthest(&self, ray: usize) -> f64 {
+        self.furthest.map_or(f64::INFINITY, |f| f[ray])
+    }
+}
+
 impl<'s> Prepared<'s> {
     pub(crate) fn new(scene: &'s Scene) -> Self {
-        let solids = scene.solids().iter().map(|solid| PreparedSolid::new(solid, scene)).collect();
-        Self { scene, solids }
+        let mut parts = 0;
+        let objects = scene.solids().iter().map(|solid| {
+            let first = parts;
+            parts += solid.parts().len();
+            Object::new(solid, scene, first)
+        });
+        let moved = scene.instances().iter().map(|instance| !instance.is_unmoved()).collect();
+        Self { scene, objects: objects.collect(), hierarchy: hierarchy_of(scene), moved }
     }
 
-    /// The nearest surface along each ray; rays are a unit direction from an origin.
+    /// The nearest surface along each ray; rays are a unit direction from an origin, which may lie inside of solids.
     pub(crate) fn surfaces(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Vec<Answer> {
-        asker.rays += rays.len() as u64;
-        let mut answers =
-            vec![Answer { surface: None, certificate: Certificate::Certified, cost: 0 }; rays.len()];
-        for (part, solid) in self.solids.iter().enumerate() {
-            for (answer, found) in answers.iter_mut().zip(solid.hits(asker, rays, None)) {
-                answer.cost += found.cost;
-                answer.certificate = answer.certificate.max(found.certificate);
-                let nearer = |s: &Surface| answer.surface.is_none_or(|known| s.t < known.t);
-                if let Some(surface) = found.surface.filter(nearer) {
-                    answer.surface = Some(Surface { part, ..surface });
-                }
-            }
-        }
-        answers
+        self.ask(asker, &Question { rays, furthest: None, sought: Sought::Nearest })
+    }
+
+    /// The nearest surface along each ray that lies before its distance.
+    #[allow(dead_code, reason = "asked by rays that end at a given distance, of which there are none yet")]
+    pub(crate) fn surfaces_before(
+        &self,
+        asker: &mut Asker,
+        rays: &[(DVec3, DVec3)],
+        distances: &[f64],
+    ) -> Vec<Answer> {
+        self.ask(asker, &Question { rays, furthest: Some(distances), sought: Sought::Nearest })
+    }
+
+    /// The nearest surface along each shadow ray that lies before its distance, with the tolerance of shadows: for light
+    /// that surfaces let through.
+    #[allow(dead_code, reason = "asked where surfaces let light through, which they do not yet")]
+    pub(crate) fn blockers(
+        &self,
+        asker: &mut Asker,
+        rays: &[(DVec3, DVec3)],
+        distances: &[f64],
+    ) -> Vec<Answer> {
+        self.ask(asker, &Question { rays, furthest: Some(distances), sought: Sought::NearestBlocker })
+    }
+
+    /// Which rays meet anything before their distances. Undecided rays without a crossing meet nothing.
+    pub(crate) fn blocked(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: &[f64]) -> Vec<bool> {
+        let question = Question { rays, furthest: Some(distances), sought: Sought::AnyBlocker };
+        self.ask(asker, &question).iter().map(|answer| answer.surface.is_some()).collect()
     }
 
     /// The volume segments along a ray before `_t`.
@@ -97,25 +138,57 @@ impl<'s> Prepared<'s> {
         Segments
     }
 
-    /// Which rays meet anything before their distances; they start outside of all solids. Undecided rays without a
-    /// crossing meet nothing.
-    pub(crate) fn blocked(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: &[f64]) -> Vec<bool> {
-        asker.rays += rays.len() as u64;
-        let mut blocked = vec![false; rays.len()];
-        for solid in &self.solids {
-            for (blocked, found) in blocked.iter_mut().zip(solid.hits(asker, rays, Some(distances))) {
-                *blocked |= found.surface.is_some();
+    fn ask(&self, asker: &mut Asker, question: &Question<'_>) -> Vec<Answer> {
+        asker.rays += question.rays.len() as u64;
+        let mut answers = self.trace(asker, question);
+        if question.sought != Sought::AnyBlocker {
+            self.find_owners(asker, &mut answers);
+        }
+        answers
+    }
+
+    /// Finds out which parts of solids surfaces belong to.
+    fn find_owners(&self, asker: &mut Asker, answers: &mut [Answer]) {
+        for (number, object) in self.objects.iter().enumerate() {
+            let Some(owners) = &object.owners else { continue };
+            let belongs = |s: &Surface| self.scene.instances()[s.instance].solid() == number;
+            let mut surfaces: Vec<&mut Surface> =
+                answers.iter_mut().filter_map(|a| a.surface.as_mut().filter(|s| belongs(s))).collect();
+            let brackets: Vec<Bracket> = surfaces.iter().map(|s| self.bracket(s)).collect();
+            let parts = owners.find(&mut asker.owner, &brackets);
+            for (surface, part) in surfaces.iter_mut().zip(parts) {
+                surface.part = object.first_part + part;
             }
         }
-        blocked
+        asker.evaluations += asker.owner.take_evaluations();
+    }
+
+    /// Where a surface certainly is, in the space of its solid.
+    fn bracket(&self, surface: &Surface) -> Bracket {
+        let place = |p: DVec3| self.frame(surface).place(p);
+        let cap = surface.cap.map(|_| place(surface.inside()));
+        Bracket { before: place(surface.before), behind: place(surface.behind), cap }
+    }
+
+    /// The hits on each solid that is hit.
+    fn by_solid(&self, hits: &[(Surface, DVec3)]) -> Vec<(usize, Vec<usize>)> {
+        let solid = |i: usize| self.scene.instances()[hits[i].0.instance].solid();
+        let mut order: Vec<usize> = (0..hits.len()).collect();
+        order.sort_by_key(|&i| solid(i));
+        order.chunk_by(|&a, &b| solid(a) == solid(b)).map(|hits| (solid(hits[0]), hits.to_vec())).collect()
+    }
+
+    /// How the world and the space of a surface's solid go together.
+    fn frame(&self, surface: &Surface) -> Frame<'_> {
+        Frame(self.moved[surface.instance].then(|| &self.scene.instances()[surface.instance]))
     }
 
     /// Unit normals at surfaces, turned against their rays.
     pub(crate) fn normals(&self, asker: &mut Asker, hits: &[(Surface, DVec3)]) -> Vec<DVec3> {
         let mut normals = vec![DVec3::ZERO; hits.len()];
-        for (part, solid) in self.solids.iter().enumerate() {
-            let of_part: Vec<usize> = (0..hits.len()).filter(|&i| hits[i].0.part == part).collect();
-            for block in of_part.chunks(LANES) {
+        for (solid, of_solid) in self.by_solid(hits) {
+            let object = &self.objects[solid];
+            for block in of_solid.chunks(LANES) {
                 for (lane, &i) in block.iter().enumerate() {
                     let point = hits[i].0.gradient_place;
                     for axis in 0..3 {
@@ -126,16 +199,21 @@ impl<'s> Prepared<'s> {
                         }
                     }
                 }
-                asker.gradients.run(&solid.sign, block.len());
+                asker.gradients.run(&object.sign, block.len());
                 asker.evaluations += block.len() as u64;
                 for (lane, &i) in block.iter().enumerate() {
                     let slope = |axis: usize| asker.gradients.output(0, 1 + axis)[lane];
-                    let (surface, direction) = &hits[i];
                     let gradient = DVec3::new(slope(0), slope(1), slope(2));
+                    let (surface, direction) = &hits[i];
+                    let frame = self.frame(surface);
+                    let direction = frame.direction(*direction);
                     let normal = surface.cap.or_else(|| gradient.try_normalize()).filter(|n| n.is_finite());
-                    let normal =
-                        normal.unwrap_or_else(|| solid.probe_normal(&mut asker.points, surface, *direction));
-                    normals[i] = if normal.dot(*direction) > 0.0 { -normal } else { normal };
+                    let normal = normal.unwrap_or_else(|| {
+                        let place = frame.place(0.5 * (surface.before + surface.behind));
+                        object.probe_normal(&mut asker.points, place, direction)
+                    });
+                    let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+                    normals[i] = frame.world_normal(normal);
                 }
             }
         }
@@ -145,145 +223,84 @@ impl<'s> Prepared<'s> {
     /// How surfaces look.
     pub(crate) fn appearances(&self, asker: &mut Asker, hits: &[(Surface, DVec3)]) -> Vec<Appearance> {
         let mut looks = vec![Appearance::default(); hits.len()];
-        for (part, solid) in self.solids.iter().enumerate() {
-            let count = solid.attributes.output_count() - 1;
-            let of_part: Vec<usize> = (0..hits.len()).filter(|&i| hits[i].0.part == part).collect();
-            for block in of_part.chunks(LANES) {
+        for (solid, of_solid) in self.by_solid(hits) {
+            let object = &self.objects[solid];
+            let count = object.attributes.output_count() - 1;
+            for block in of_solid.chunks(LANES) {
                 if count > 0 {
-                    // Attributes are those of the solid, and may be unset a hair outside of it.
-                    fill_points(&mut asker.points, block.iter().map(|&i| hits[i].0.behind));
-                    asker.points.run(&solid.attributes, block.len());
+                    let normals = if object.reads_normals {
+                        self.outward_normals(asker, hits, block)
+                    } else {
+                        Vec::new()
+                    };
+                    let place = |i: usize| self.frame(&hits[i].0).place(hits[i].0.inside());
+                    fill_points(&mut asker.points, 0, block.iter().map(|&i| place(i)));
+                    fill_points(&mut asker.points, 3, normals.into_iter());
+                    asker.points.run(&object.attributes, block.len());
                     asker.evaluations += block.len() as u64;
                 }
                 for (lane, &i) in block.iter().enumerate() {
                     let attributes: Vec<f64> = (1..=count).map(|a| asker.points.output(a, 0)[lane]).collect();
-                    looks[i] = solid.solid.parts()[0].appearance(&attributes, hits[i].0.from_inside);
+                    let surface = &hits[i].0;
+                    let part = &object.solid.parts()[surface.part - object.first_part];
+                    looks[i] = part.appearance(&attributes, surface.from_inside);
                 }
             }
         }
         looks
     }
+
+    /// The outward unit normals at some of the hits, in the spaces of their solids.
+    fn outward_normals(&self, asker: &mut Asker, hits: &[(Surface, DVec3)], some: &[usize]) -> Vec<DVec3> {
+        let some: Vec<(Surface, DVec3)> = some.iter().map(|&i| hits[i]).collect();
+        let normals = self.normals(asker, &some);
+        let outward = |((surface, _), normal): (&(Surface, DVec3), DVec3)| {
+            let world = if surface.from_inside { -normal } else { normal };
+            self.frame(surface).normal(world)
+        };
+        some.iter().zip(normals).map(outward).collect()
+    }
 }
 
-fn fill_points(points: &mut Workspace<F64, Points>, list: impl Iterator<Item = DVec3>) {
+/// Fills three inputs, from `first` on.
+fn fill_points(points: &mut Workspace<F64, Points>, first: usize, list: impl Iterator<Item = DVec3>) {
     for (lane, point) in list.enumerate() {
         for axis in 0..3 {
-            points.input(axis, 0)[lane] = point[axis];
+            points.input(first + axis, 0)[lane] = point[axis];
         }
+    }
+}
+
+/// From the world to the space of a solid, which is the same if nothing moves it.
+#[derive(Clone, Copy)]
+struct Frame<'i>(Option<&'i Instance>);
+
+impl Frame<'_> {
+    fn place(self, world: DVec3) -> DVec3 {
+        self.0.map_or(world, |instance| instance.object_from_world().transform_point3(world))
+    }
+
+    /// Of unit length, or 0 where the matrix underflows.
+    fn direction(self, world: DVec3) -> DVec3 {
+        let turn = |i: &Instance| i.object_from_world().transform_vector3(world).normalize_or_zero();
+        self.0.map_or(world, turn)
+    }
+
+    fn normal(self, world: DVec3) -> DVec3 {
+        let turn = |i: &Instance| (i.world_from_object().matrix3.transpose() * world).normalize_or_zero();
+        self.0.map_or(world, turn)
+    }
+
+    /// The way back.
+    fn world_normal(self, normal: DVec3) -> DVec3 {
+        let turn = |i: &Instance| (i.object_from_world().matrix3.transpose() * normal).normalize_or_zero();
+        self.0.map_or(normal, turn)
     }
 }
 
 impl Surface {
-    fn middle(&self) -> DVec3 {
-        0.5 * (self.before + self.behind)
+    /// Where attributes are looked up: they are those of the solid, and may be unset a hair outside of it.
+    fn inside(&self) -> DVec3 {
+        if self.from_inside { self.before } else { self.behind }
     }
-}
-
-impl<'s> PreparedSolid<'s> {
-    fn new(solid: &'s Solid, scene: &Scene) -> Self {
-        let options = TapeOptions { bindings: solid.bindings().clone(), ..TapeOptions::default() };
-        let sign = Tape::new(solid.field(), &TapeOptions { reading: Reading::Sign, ..options.clone() });
-        let attributes = Tape::new(solid.field(), &TapeOptions { attributes: true, ..options });
-        let settings = trace_settings(scene, solid, sign.has_black_box());
-        Self { solid, sign, attributes, settings }
-    }
-
-    /// The surfaces that rays meet; any that lies before their distances, if there are distances.
-    fn hits(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: Option<&[f64]>) -> Vec<Answer> {
-        let spans: Vec<Option<RaySpan>> = rays.iter().map(|&(o, d)| self.solid.ray_span(o, d)).collect();
-        let to_trace: Vec<Ray> = rays
-            .iter()
-            .zip(&spans)
-            .enumerate()
-            .map(|(i, (&(origin, direction), span))| {
-                let furthest = distances.map_or(f64::INFINITY, |d| d[i]);
-                let (start, end) = span.map_or((0.0, 0.0), |s| (s.enter.max(0.0), s.exit.min(furthest)));
-                Ray { origin: origin.to_array(), direction: direction.to_array(), start, end }
-            })
-            .collect();
-        let any_hit = distances.is_some();
-        let from_outside = spans.iter().flatten().all(|s| s.enter > 0.0);
-        let settings = Settings { caps: self.solid.is_capped() && from_outside, any_hit, ..self.settings };
-        let shared = asker.tracer.shared_cost();
-        let outcomes = asker.tracer.first_hits(&self.sign, &to_trace, &settings);
-        asker.evaluations += asker.tracer.shared_cost() - shared;
-        asker.evaluations += outcomes.iter().map(|o| u64::from(o.cost)).sum::<u64>();
-        let found = outcomes.iter().zip(&to_trace).zip(&spans);
-        found.map(|((outcome, ray), span)| self.answer(outcome, ray, span.as_ref())).collect()
-    }
-
-    /// The outcome as a surface, caps included.
-    fn answer(&self, outcome: &Outcome, ray: &Ray, span: Option<&RaySpan>) -> Answer {
-        let at = |t: f64| DVec3::from_array(ray.at(t));
-        let capped = self.solid.is_capped();
-        let cap = |t: f64, normal: DVec3, side: f64| {
-            // A hair outside of the face, as far as brackets are wide.
-            let hair = self.settings.tolerance * self.settings.size;
-            let (before, behind) = (at(t) + side * hair * normal, at(t) - side * hair * normal);
-            Surface {
-                part: 0,
-                t,
-                before,
-                behind,
-                cap: Some(normal),
-                from_inside: false,
-                gradient_place: at(t),
-            }
-        };
-        let surface = match (outcome.hit, span) {
-            (_, Some(span)) if outcome.starts_inside && capped && span.enter > 0.0 => {
-                Some(cap(span.enter, span.enter_normal, 1.0))
-            }
-            (Some(hit), _) => {
-                let behind = at(hit.after + (hit.after - hit.before));
-                let before = at(hit.before);
-                let hair = self.settings.tolerance * self.settings.size;
-                let gradient_place = if hit.touching { at(hit.t - hair) } else { 0.5 * (before + behind) };
-                let from_inside = !hit.entering;
-                Some(Surface { part: 0, t: hit.t, before, behind, cap: None, from_inside, gradient_place })
-            }
-            (None, Some(span)) if outcome.ends_inside && capped && ray.end >= span.exit => {
-                Some(cap(span.exit, span.exit_normal, -1.0))
-            }
-            _ => None,
-        };
-        Answer { surface, certificate: outcome.certificate, cost: outcome.cost }
-    }
-
-    /// A normal where there is no gradient; towards the eye if there is none at all. Around an edge it may be that of a
-    /// face on the other side: then it is mirrored, since its opposite would point into the solid.
-    fn probe_normal(
-        &self,
-        points: &mut Workspace<F64, Points>,
-        surface: &Surface,
-        direction: DVec3,
-    ) -> DVec3 {
-        let (tape, size) = (&self.sign, self.settings.size);
-        let normal = Probe { points, tape, place: surface.middle(), size }.normal().unwrap_or(-direction);
-        normal - 2.0 * normal.dot(direction).max(0.0) * direction
-    }
-}
-
-fn trace_settings(scene: &Scene, solid: &Solid, black_box: bool) -> Settings {
-    let size = solid.bounds().longest_side();
-    let mut settings = Settings { surface: solid.is_surface(), ..Settings::new(size) };
-    let method = match scene.settings().method {
-        // Nothing can be proved of a black box.
-        _ if black_box => Method::Sampled { step: None },
-        method => method,
-    };
-    settings.method = match method {
-        Method::Affine => fieldstone_trace::Method::Affine,
-        Method::Interval { accept_epsilon } => {
-            fieldstone_trace::Method::Interval { accept_epsilon: accept_epsilon.map(|e| e * size) }
-        }
-        Method::Sampled { step } => {
-            fieldstone_trace::Method::Sampled { step: step.unwrap_or(DEFAULT_STEP) * size }
-        }
-    };
-    if method != Method::Affine {
-        settings.tolerance = COARSE_TOLERANCE;
-    }
-    settings.tolerance = scene.settings().tolerance.unwrap_or(settings.tolerance);
-    settings
 }

@@ -57,7 +57,12 @@ fn draw(solids: Vec<Solid>, camera: Camera, lighting: Lighting, method: Method) 
 }
 
 fn dark() -> Lighting {
-    Lighting { lights: Vec::new(), ambient: DVec3::ZERO, background: Background::plain(DVec3::ZERO) }
+    Lighting {
+        lights: Vec::new(),
+        ambient: DVec3::ZERO,
+        background: Background::plain(DVec3::ZERO),
+        environment: None,
+    }
 }
 
 fn pixels(film: &Film) -> impl Iterator<Item = (u32, u32, fieldstone_scene::Pixel)> + '_ {

@@ -73,6 +73,18 @@ pub enum CameraError {
     /// The height of an orthographic image is not positive and finite.
     #[error("the height of an orthographic image is a positive number, not {}", Number(*.0))]
     Height(f64),
+    /// The radius of the aperture or the distance of the focus is not positive and finite.
+    #[error(
+        "the radius of an aperture and the distance of its focus are positive numbers, not {} and {}",
+        Number(*radius),
+        Number(*focus_distance)
+    )]
+    Aperture {
+        /// The radius.
+        radius: f64,
+        /// The distance.
+        focus_distance: f64,
+    },
 }
 
 /// What the user fixed of a camera; the rest is chosen so that the solid is seen well.
@@ -96,6 +108,16 @@ pub struct Camera {
     right: DVec3,
     up: DVec3,
     projection: Projection,
+    lens: Option<Aperture>,
+}
+
+/// The opening of a lens: only what is at one distance is sharp.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Aperture {
+    /// The radius of the opening, in units of the scene.
+    pub radius: f64,
+    /// How far the plane is in which things are sharp, along the view.
+    pub focus_distance: f64,
 }
 
 /// The field of view where nothing else decides.
@@ -179,7 +201,7 @@ impl Camera {
             return Err(parallel);
         }
         let right = across.normalize();
-        Ok(Self { eye, forward, right, up: right.cross(forward).normalize(), projection })
+        Ok(Self { eye, forward, right, up: right.cross(forward).normalize(), projection, lens: None })
     }
 
     /// The default camera: a three-quarter view from the front, the right and above, as close as it can be with every
@@ -232,7 +254,7 @@ impl Camera {
         let across = forward.cross(up.axis());
         let across = if across.length() < 1e-9 { forward.cross(up.away()) } else { across };
         let right = across.normalize();
-        Self { eye, forward, right, up: right.cross(forward).normalize(), projection }
+        Self { eye, forward, right, up: right.cross(forward).normalize(), projection, lens: None }
     }
 
     /// The corners of a box along right, up and forward, seen from the eye.
@@ -321,6 +343,35 @@ impl Camera {
     /// How space is mapped to the image.
     pub fn projection(&self) -> Projection {
         self.projection
+    }
+
+    /// With a lens that is not a pinhole: see [`lens_ray`](Self::lens_ray).
+    ///
+    /// # Errors
+    /// A radius or a distance that is not positive and finite.
+    pub fn with_aperture(self, aperture: Aperture) -> Result<Self, CameraError> {
+        let Aperture { radius, focus_distance } = aperture;
+        let sound = |length: f64| length > 0.0 && length.is_finite();
+        if sound(radius) && sound(focus_distance) {
+            Ok(Self { lens: Some(aperture), ..self })
+        } else {
+            Err(CameraError::Aperture { radius, focus_distance })
+        }
+    }
+
+    /// The opening of the lens, unless it is a pinhole.
+    pub fn aperture(&self) -> Option<Aperture> {
+        self.lens
+    }
+
+    /// The ray through the same point of the sharp plane as [`ray`](Self::ray), from the place (a, b) of the lens, both
+    /// from −1 to 1 in units of the radius of the aperture, to the right and upwards. Without an aperture, the same ray.
+    pub fn lens_ray(&self, (u, v): (f64, f64), aspect: f64, (a, b): (f64, f64)) -> (DVec3, DVec3) {
+        let (origin, direction) = self.ray(u, v, aspect);
+        let Some(Aperture { radius, focus_distance }) = self.lens else { return (origin, direction) };
+        let sharp = direction * (focus_distance / direction.dot(self.forward));
+        let aside = radius * (a * self.right + b * self.up);
+        (origin + aside, (sharp - aside).normalize())
     }
 
     /// The ray through the point (u, v) of an image whose width is `aspect` times its height: origin and unit

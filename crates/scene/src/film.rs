@@ -1,6 +1,7 @@
 //! What a renderer delivers: colours and named layers.
 
 use crate::colour::{Background, Rgb, linear_to_srgb};
+use crate::tone::Tone;
 use glam::DVec3;
 
 /// The names of the layers of a [`Film`], in its order, as they stand in EXR files.
@@ -107,15 +108,20 @@ impl Film {
 
     /// The picture in front of a background, as 8-bit sRGB: R, G, B, pixel by pixel, row by row.
     pub fn composite_over(&self, background: &Background) -> Vec<u8> {
+        self.develop(background, &Tone::default())
+    }
+
+    /// The same with an exposure and a tone curve, which the background goes through too.
+    pub fn develop(&self, background: &Background, tone: &Tone) -> Vec<u8> {
         let [red, green, blue, alpha, ..] = &self.planes;
         let columns = (self.width as usize).max(1);
-        let encode = |linear: f64| (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0).round() as u8;
+        let encode = |linear: f64| (linear_to_srgb(linear) * 255.0).round() as u8;
         (0..alpha.len())
             .flat_map(|i| {
                 let v = ((i / columns) as f64 + 0.5) / f64::from(self.height);
                 let before: Rgb = DVec3::new(red[i].into(), green[i].into(), blue[i].into());
                 let seen = before + background.at(v) * (1.0 - f64::from(alpha[i]));
-                seen.to_array().map(encode)
+                tone.apply(seen).to_array().map(encode)
             })
             .collect()
     }

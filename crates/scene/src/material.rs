@@ -14,7 +14,11 @@ pub enum Shading {
         normalised: bool,
     },
     /// Microfacets after Trowbridge and Reitz ("GGX", Walter et al. 2007): rough or smooth, metal or dielectric.
-    Ggx,
+    Ggx {
+        /// Whether light that facets throw at each other is added, so that rough metal is not too dark (Turquin 2019); if
+        /// not, it is lost.
+        compensated: bool,
+    },
     /// The direction of the gradient as a colour, for the study of shapes: ½ (n + 1), without light.
     Gradient,
 }
@@ -348,7 +352,12 @@ mod tests {
     #[test]
     fn mixtures_lie_between() {
         let red = Appearance { colour: DVec3::X, roughness: 0.0, ..Appearance::default() };
-        let blue = Appearance { colour: DVec3::Z, roughness: 1.0, shading: Shading::Ggx, ..red };
+        let blue = Appearance {
+            colour: DVec3::Z,
+            roughness: 1.0,
+            shading: Shading::Ggx { compensated: true },
+            ..red
+        };
         assert_eq!((red.mix(&blue, 0.0), red.mix(&blue, 1.0)), (red, blue));
         let mixed = red.mix(&blue, 0.25);
         assert_eq!((mixed.colour, mixed.roughness), (DVec3::new(0.75, 0.0, 0.25), 0.25));

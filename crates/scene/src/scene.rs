@@ -5,6 +5,7 @@ use crate::camera::Camera;
 use crate::light::Lighting;
 use crate::solid::{Instance, Solid};
 use crate::text::Number;
+use crate::tone::Tone;
 use glam::DVec3;
 
 /// The most pixels that an image may have: 2²⁶, 8192 × 8192.
@@ -137,6 +138,8 @@ pub struct Settings {
     pub shadow_tolerance: Option<f64>,
     /// How often light is followed on from surfaces that mirror it or let it through, at most [`MAX_BOUNCES`].
     pub bounces: u32,
+    /// How light becomes the colours of a picture for the screen.
+    pub tone: Tone,
 }
 
 impl Default for Settings {
@@ -149,6 +152,7 @@ impl Default for Settings {
             tolerance: None,
             shadow_tolerance: None,
             bounces: 8,
+            tone: Tone::default(),
         }
     }
 }
@@ -253,6 +257,12 @@ impl Scene {
     pub fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let (width, height) = self.settings.size;
         self.camera.ray(x / f64::from(width), y / f64::from(height), self.aspect())
+    }
+
+    /// The ray through the same point from a place on the lens; see [`Camera::lens_ray`].
+    pub fn lens_ray(&self, (x, y): (f64, f64), lens: (f64, f64)) -> (DVec3, DVec3) {
+        let (width, height) = self.settings.size;
+        self.camera.lens_ray((x / f64::from(width), y / f64::from(height)), self.aspect(), lens)
     }
 
     /// The smallest box around the bounds of all instances, in world space.

@@ -108,6 +108,26 @@ impl Tree {
         }
     }
 
+    /// The first part that holds a place of the solid: that it lies in, where it does not stand for what is taken away.
+    /// None if the place is not in the solid, or only for being outside of parts.
+    pub fn holder(&self, inside: &impl Fn(usize) -> bool) -> Option<usize> {
+        self.holder_of(true, inside)
+    }
+
+    /// The same where the tree is to contain the place (`sought`), or not to contain it.
+    fn holder_of(&self, sought: bool, inside: &impl Fn(usize) -> bool) -> Option<usize> {
+        if self.contains(inside) != sought {
+            return None;
+        }
+        match self {
+            Self::Part(part) => sought.then_some(*part),
+            Self::Union(trees) | Self::Intersection(trees) => {
+                trees.iter().filter_map(|tree| tree.holder_of(sought, inside)).min()
+            }
+            Self::Complement(tree) => tree.holder_of(!sought, inside),
+        }
+    }
+
     /// The largest number of a part in it.
     fn largest(&self) -> usize {
         match self {
@@ -424,6 +444,23 @@ mod tests {
         assert_eq!(tree.decide(&|part| (part == 2).then_some(true)), None);
         assert_eq!(tree.decide(&|part| (part == 0).then_some(true)), Some(true));
         assert_eq!(tree.decide(&|part| (part > 0).then_some(part == 2)), None);
+    }
+
+    #[test]
+    fn places_are_held_by_the_first_part_that_adds_them() {
+        // (a ∪ b) ∩ ¬(c ∩ ¬d)
+        let taken = Tree::Intersection(vec![Tree::Part(2), Tree::Complement(Box::new(Tree::Part(3)))]);
+        let both = Tree::Union(vec![Tree::Part(1), Tree::Part(0)]);
+        let tree = Tree::Intersection(vec![Tree::Complement(Box::new(taken)), both]);
+        let holder = |parts: &[usize]| tree.holder(&|part| parts.contains(&part));
+        assert_eq!(holder(&[0]), Some(0));
+        assert_eq!(holder(&[1]), Some(1));
+        assert_eq!(holder(&[0, 1]), Some(0));
+        assert_eq!(holder(&[1, 2]), None);
+        // What is left of the hole stands for itself: d adds nothing to the outside of b.
+        assert_eq!(holder(&[1, 2, 3]), Some(1));
+        assert_eq!(holder(&[2]), None);
+        assert_eq!(Tree::Complement(Box::new(Tree::Part(0))).holder(&|_| false), None);
     }
 
     #[test]

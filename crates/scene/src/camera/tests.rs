@@ -185,3 +185,27 @@ fn an_up_vector_nobody_asked_for_gives_way() {
     let at_centre = View { eye: Some(DVec3::ZERO), ..View::default() };
     assert_eq!(Camera::framing(&bounds, &at_centre, Up::Z, 1.0), Err(CameraError::NoDirection(DVec3::ZERO)));
 }
+
+#[test]
+fn rays_through_a_lens_meet_in_the_sharp_plane() {
+    let lens = Aperture { radius: 0.25, focus_distance: 7.0 };
+    for projection in
+        [Projection::Perspective { vertical_fov_radians: 0.9 }, Projection::Orthographic { height: 3.0 }]
+    {
+        let camera = Camera::look_at(DVec3::new(1.0, -8.0, 3.0), DVec3::ZERO, DVec3::Z, projection).unwrap();
+        let with_lens = camera.with_aperture(lens).unwrap();
+        let (origin, direction) = camera.ray(0.2, 0.7, 1.5);
+        let sharp = origin + direction * (7.0 / direction.dot(camera.forward()));
+        for place in [(0.0, 0.0), (0.6, -0.8), (-1.0, 0.0)] {
+            let (from, towards) = with_lens.lens_ray((0.2, 0.7), 1.5, place);
+            assert!((sharp - from).cross(towards).length() < 1e-12 && towards.is_normalized());
+            let aside = 0.25 * (place.0 * camera.right() + place.1 * camera.up());
+            assert!((from - origin - aside).length() < 1e-12);
+            assert_eq!(camera.lens_ray((0.2, 0.7), 1.5, place), (origin, direction));
+        }
+    }
+    for (radius, focus_distance) in [(0.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
+        let camera = Camera::fitted(&Bounds::new(-DVec3::ONE, DVec3::ONE).unwrap(), Up::Z, 1.0);
+        assert!(camera.with_aperture(Aperture { radius, focus_distance }).is_err());
+    }
+}

@@ -15,7 +15,6 @@ mod call;
 mod convolution;
 mod distance;
 mod ellipsoid;
-mod expression;
 mod noise;
 mod primitives;
 mod sardf;
@@ -26,6 +25,7 @@ mod tests;
 
 use crate::Dialect;
 use fieldstone_field::{Function as WholeFunctionBody, Graph, NodeId};
+use fieldstone_solids::expression;
 use std::sync::Arc;
 
 /// What a parameter of a function is.
@@ -108,7 +108,7 @@ impl WholeFunction {
     /// The function itself.
     pub(crate) fn function(self) -> &'static Arc<dyn WholeFunctionBody> {
         match self {
-            Self::PerlinNoise => &noise::PERLIN,
+            Self::PerlinNoise => fieldstone_solids::gradient_noise(),
             Self::EllipsoidDistance => &ellipsoid::ELLIPSOID,
             Self::RoundedIntersection => &sardf::EXACT,
             Self::SnappingIntersection => &sardf::SNAPPING,

@@ -1,27 +1,27 @@
 //! Perlin's noise and what is made of it.
 
-use super::super::noise::PERLIN;
 use super::{Dialect, Given, Random, call, check_gradient, check_inclusion, value};
 use fieldstone_field::Interval;
+use fieldstone_solids::gradient_noise;
 
 const SPACE: [(f64, f64); 3] = [(-300.0, 300.0); 3];
 
 fn perlin(p: [f64; 3]) -> f64 {
-    PERLIN.value(&p)
+    gradient_noise().value(&p)
 }
 
 #[test]
 fn intervals_of_perlin_noise_hold_its_values() {
-    check_inclusion(&**PERLIN, SPACE);
-    check_inclusion(&**PERLIN, [(-1.5, 1.5); 3]);
+    check_inclusion(&**gradient_noise(), SPACE);
+    check_inclusion(&**gradient_noise(), [(-1.5, 1.5); 3]);
     let everywhere = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-    let interval = PERLIN.interval(&[everywhere; 3]);
+    let interval = gradient_noise().interval(&[everywhere; 3]);
     assert!(interval.hi - interval.lo < 1.74);
 }
 
 #[test]
 fn gradients_of_perlin_noise_are_exact() {
-    check_gradient(&**PERLIN, [(-9.0, 9.0); 3]);
+    check_gradient(&**gradient_noise(), [(-9.0, 9.0); 3]);
 }
 
 #[test]

@@ -1,19 +1,42 @@
 //! Expressions that read like the formulas they stand for: nodes with operators, and vectors of three of them.
+//!
+//! ```
+//! use fieldstone_field::{Graph, Input};
+//! use fieldstone_solids::expression::{Expr, write};
+//!
+//! let mut graph = Graph::new();
+//! let [x, y] = [0, 1].map(|i| graph.input(Input::Coordinate(i)));
+//! let circle = write(&mut graph, |cell| {
+//!     let [x, y] = [x, y].map(|id| Expr::new(cell, id));
+//!     (x.square() + y.square() - 1.0).id()
+//! });
+//! assert_eq!(graph.len(), 7);
+//! # let _ = circle;
+//! ```
 
 use fieldstone_field::{Binary, Function, Graph, NodeId, Unary};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
+/// Lets expressions write into a graph. The graph in the cell is the one given, which must not be kept.
+pub fn write<R>(graph: &mut Graph, formula: impl FnOnce(&RefCell<Graph>) -> R) -> R {
+    let cell = RefCell::new(std::mem::take(graph));
+    let result = formula(&cell);
+    *graph = cell.into_inner();
+    result
+}
+
 /// A node and the graph it belongs to.
-#[derive(Clone, Copy)]
-pub(super) struct Expr<'g> {
+#[derive(Clone, Copy, Debug)]
+pub struct Expr<'g> {
     graph: &'g RefCell<Graph>,
     id: NodeId,
 }
 
 /// What may stand beside an expression: another one, or a number.
-pub(super) trait Operand<'g> {
+pub trait Operand<'g> {
+    /// Its node in the graph.
     fn node_in(self, graph: &'g RefCell<Graph>) -> NodeId;
 }
 
@@ -31,32 +54,45 @@ impl<'g> Operand<'g> for f64 {
 
 macro_rules! unary_methods {
     ($($method:ident $op:ident),*) => {
-        $(pub(super) fn $method(self) -> Self { self.unary(Unary::$op) })*
+        $(
+            #[doc = concat!("[`Unary::", stringify!($op), "`].")]
+            pub fn $method(self) -> Self { self.unary(Unary::$op) }
+        )*
     };
 }
 
 macro_rules! binary_methods {
     ($($method:ident $op:ident),*) => {
-        $(pub(super) fn $method(self, other: impl Operand<'g>) -> Self { self.binary(Binary::$op, other) })*
+        $(
+            #[doc = concat!("[`Binary::", stringify!($op), "`].")]
+            pub fn $method(self, other: impl Operand<'g>) -> Self { self.binary(Binary::$op, other) }
+        )*
     };
 }
 
 impl<'g> Expr<'g> {
-    pub(super) fn new(graph: &'g RefCell<Graph>, id: NodeId) -> Self {
+    /// A node of the graph.
+    pub fn new(graph: &'g RefCell<Graph>, id: NodeId) -> Self {
         Self { graph, id }
     }
 
-    pub(super) fn id(self) -> NodeId {
+    /// The node.
+    pub fn id(self) -> NodeId {
         self.id
     }
 
+    /// Another node of the same graph.
+    pub fn sibling(self, id: NodeId) -> Self {
+        Self::new(self.graph, id)
+    }
+
     /// A number in the same graph.
-    pub(super) fn number(self, value: f64) -> Self {
+    pub fn number(self, value: f64) -> Self {
         Self::new(self.graph, value.node_in(self.graph))
     }
 
     /// The value if it does not depend on anything.
-    pub(super) fn constant_value(self) -> Option<f64> {
+    pub fn constant_value(self) -> Option<f64> {
         self.graph.borrow().constant_value(self.id)
     }
 
@@ -70,30 +106,32 @@ impl<'g> Expr<'g> {
     }
 
     unary_methods!(abs Abs, sqrt Sqrt, square Square, exp Exp, sin Sin, cos Cos, tan Tan, atan Atan);
-    unary_methods!(floor Floor, trunc Trunc);
-    binary_methods!(min Min, max Max, rmin RMin, rmax RMax, pow Pow, modulo Modulo, lt Lt, le Le, eq Eq);
+    unary_methods!(floor Floor, trunc Trunc, tanh Tanh, not Not);
+    binary_methods!(min Min, max Max, rmin RMin, rmax RMax, pow Pow, modulo Modulo, lt Lt, le Le, eq Eq, atan2 Atan2);
 
-    pub(super) fn powi(self, n: usize) -> Self {
+    /// The whole power selfⁿ.
+    pub fn powi(self, n: usize) -> Self {
         Self::new(self.graph, self.graph.borrow_mut().powi(self.id, n as i32))
     }
 
-    pub(super) fn clamp(self, low: impl Operand<'g>, high: impl Operand<'g>) -> Self {
+    /// Kept between two bounds.
+    pub fn clamp(self, low: impl Operand<'g>, high: impl Operand<'g>) -> Self {
         self.max(low).min(high)
     }
 
     /// 1 where both conditions hold.
-    pub(super) fn and(self, other: Self) -> Self {
+    pub fn and(self, other: Self) -> Self {
         self * other
     }
 
     /// Reads a condition: `if_true` where it holds, `if_false` elsewhere.
-    pub(super) fn select(self, if_true: impl Operand<'g>, if_false: impl Operand<'g>) -> Self {
+    pub fn select(self, if_true: impl Operand<'g>, if_false: impl Operand<'g>) -> Self {
         let (if_true, if_false) = (if_true.node_in(self.graph), if_false.node_in(self.graph));
         Self::new(self.graph, self.graph.borrow_mut().select(self.id, if_true, if_false))
     }
 
     /// A call of a function whose first argument this is.
-    pub(super) fn call(self, function: &Arc<dyn Function>, others: &[Self]) -> Self {
+    pub fn call(self, function: &Arc<dyn Function>, others: &[Self]) -> Self {
         let arguments: Vec<NodeId> = [self].iter().chain(others).map(|a| a.id).collect();
         Self::new(self.graph, self.graph.borrow_mut().call(function, &arguments))
     }
@@ -126,51 +164,58 @@ impl Neg for Expr<'_> {
 }
 
 /// A point or a direction in space.
-#[derive(Clone, Copy)]
-pub(super) struct Vector<'g>(pub(super) [Expr<'g>; 3]);
+#[derive(Clone, Copy, Debug)]
+pub struct Vector<'g>(
+    /// x, y and z.
+    pub [Expr<'g>; 3],
+);
 
 impl<'g> Vector<'g> {
     /// Component by component.
-    pub(super) fn map(self, f: impl FnMut(Expr<'g>) -> Expr<'g>) -> Self {
+    pub fn map(self, f: impl FnMut(Expr<'g>) -> Expr<'g>) -> Self {
         Self(self.0.map(f))
     }
 
     /// Component by component, with another vector.
-    pub(super) fn zip(self, other: Self, f: impl Fn(Expr<'g>, Expr<'g>) -> Expr<'g>) -> Self {
+    pub fn zip(self, other: Self, f: impl Fn(Expr<'g>, Expr<'g>) -> Expr<'g>) -> Self {
         Self([0, 1, 2].map(|k| f(self.0[k], other.0[k])))
     }
 
-    pub(super) fn dot(self, other: Self) -> Expr<'g> {
+    /// The inner product.
+    pub fn dot(self, other: Self) -> Expr<'g> {
         let [a, b, c] = self.zip(other, |p, q| p * q).0;
         a + b + c
     }
 
     /// The square of the length.
-    pub(super) fn squared(self) -> Expr<'g> {
+    pub fn squared(self) -> Expr<'g> {
         self.dot(self)
     }
 
-    pub(super) fn length(self) -> Expr<'g> {
+    /// The length.
+    pub fn length(self) -> Expr<'g> {
         self.squared().sqrt()
     }
 
-    pub(super) fn unit(self) -> Self {
+    /// The same direction with length 1.
+    pub fn unit(self) -> Self {
         let length = self.length();
         self.map(|a| a / length)
     }
 
-    pub(super) fn cross(self, other: Self) -> Self {
+    /// The vector product.
+    pub fn cross(self, other: Self) -> Self {
         let ([a, b, c], [p, q, r]) = (self.0, other.0);
         Self([b * r - c * q, c * p - a * r, a * q - b * p])
     }
 
     /// The component along an axis, and the two across it in the order of a right-handed frame.
-    pub(super) fn along_and_across(self, axis: usize) -> (Expr<'g>, [Expr<'g>; 2]) {
+    pub fn along_and_across(self, axis: usize) -> (Expr<'g>, [Expr<'g>; 2]) {
         (self.0[axis], [self.0[(axis + 1) % 3], self.0[(axis + 2) % 3]])
     }
 
     /// `self` where a condition holds, `other` elsewhere.
-    pub(super) fn where_else(self, condition: Expr<'g>, other: Self) -> Self {
+    pub fn where_else(self, condition: Expr<'g>, other: Self) -> Self {
         self.zip(other, |a, b| condition.select(a, b))
     }
 }

@@ -1,0 +1,384 @@
+//! Objects: solids with all that they need to be drawn, and where they stand.
+
+use super::compose::{Built, Composer, Look, PartDraft, Space};
+use super::fault::{Fault, Outcome};
+use super::finish::Attributes;
+use super::motion::motions;
+use super::number::Numbers;
+use super::tree::{Table, Value};
+use super::{MAX_ALL_INSTANCES, MAX_INSTANCES, view};
+use crate::extent::{Wanted, find_bounds};
+use crate::request::Warning;
+use fieldstone_field::{Bindings, Field, NodeId};
+use fieldstone_lang::{Diagnostic, Presentation};
+use fieldstone_scene::{Ball, Bounds, Condition, Instance, Solid};
+use glam::{DAffine3, DQuat, DVec3};
+
+/// The objects of a scene on their way.
+pub(super) struct Stage<'n, 'd> {
+    numbers: &'n Numbers<'d>,
+    pub(super) solids: Vec<Solid>,
+    pub(super) instances: Vec<Instance>,
+    /// The names of the solids.
+    pub(super) objects: Vec<String>,
+    /// What is strange about an object.
+    pub(super) warnings: Vec<(String, Warning)>,
+    ups: (bool, bool),
+}
+
+/// An object: its own table and that of its solid, where they are.
+struct Placed<'d> {
+    name: String,
+    object: Option<&'d Table>,
+    /// A definition, or a table.
+    solid: &'d Value,
+}
+
+impl<'d> Placed<'d> {
+    /// A key of the object, or else of its solid.
+    fn get(&self, key: &str) -> Option<&'d Value> {
+        let of_solid = || self.solid.table().and_then(|table| table.get(key));
+        self.object.and_then(|table| table.get(key)).or_else(of_solid)
+    }
+
+    fn flag(&self, key: &str) -> Option<bool> {
+        self.get(key).and_then(Value::flag)
+    }
+
+    fn error(&self, message: String) -> Fault {
+        self.solid.error(message, "here").into()
+    }
+}
+
+impl<'n, 'd> Stage<'n, 'd> {
+    pub(super) fn new(numbers: &'n Numbers<'d>) -> Self {
+        let (solids, instances, objects, warnings) = Default::default();
+        Self { numbers, solids, instances, objects, warnings, ups: (false, false) }
+    }
+
+    /// Whether all models come from languages in which y is up.
+    pub(super) fn is_y_up(&self) -> bool {
+        self.ups == (true, false)
+    }
+
+    /// The box around everything.
+    pub(super) fn bounds(&self) -> Outcome<Bounds> {
+        let mut boxes = self.instances.iter().map(|i| i.world_bounds(self.solids[i.solid()].bounds()));
+        let first = boxes.next();
+        let all = first.map(|first| boxes.fold(first, |all, bounds| all.union(&bounds)));
+        all.ok_or_else(|| Diagnostic::error(0..0, "there is no solid", "nothing to draw").into())
+    }
+
+    /// Composes all objects.
+    pub(super) fn fill(&mut self) -> Outcome<()> {
+        let document = self.numbers.document();
+        let mut placed = Vec::new();
+        match document.root.get("objects").and_then(Value::list) {
+            Some(list) => {
+                for (i, value) in list.iter().enumerate() {
+                    placed.push(self.placed(value, i)?);
+                }
+            }
+            None => {
+                let mut used = Vec::new();
+                let solids = document.root.entries_of("solids");
+                solids.iter().for_each(|entry| collect_names(&entry.value, &mut used));
+                let unused = solids.iter().filter(|entry| !used.contains(&entry.key.as_str()));
+                placed.extend(unused.map(|e| Placed { name: e.key.clone(), object: None, solid: &e.value }));
+                if let (true, Some(first)) = (placed.is_empty(), solids.first()) {
+                    let message = "every solid is part of another: there is a circle among them";
+                    return Err(Diagnostic::error(first.key_span.clone(), message, "here").into());
+                }
+            }
+        }
+        if placed.is_empty() {
+            let error = Diagnostic::error(0..0, "there is no solid in this scene", "nothing to draw");
+            return Err(error.with_help("write [solids] and below it ball = \"x^2 + y^2 + z^2 - 1\"").into());
+        }
+        placed.iter().try_for_each(|object| self.add(object))
+    }
+
+    fn placed(&self, value: &'d Value, number: usize) -> Outcome<Placed<'d>> {
+        let object = value.table();
+        let Some(solid) = object.and_then(|table| table.get("solid")) else {
+            let span = value.span.start..value.span.end.min(value.span.start + 80);
+            let error = Diagnostic::error(span, "an object has a `solid`", "`solid` is missing");
+            return Err(error
+                .with_help("write solid = \"name\", or a table such as { formula = \"…\" }")
+                .into());
+        };
+        if solid.table().is_some() {
+            return Ok(Placed { name: format!("object {}", number + 1), object, solid });
+        }
+        let entry = self.numbers.document().named("solids", solid)?;
+        Ok(Placed { name: entry.key.clone(), object, solid: &entry.value })
+    }
+
+    fn add(&mut self, placed: &Placed<'d>) -> Outcome<()> {
+        let mut composer = Composer::new(self.numbers);
+        let space = composer.space();
+        let look = Look { material: placed.get("material"), back: placed.get("back") };
+        let built = match placed.solid.table() {
+            Some(table) => composer.body(placed.solid, (table, &placed.name), &space, look)?,
+            None => composer.definition(placed.solid, &placed.name, &space, look)?,
+        };
+        let conditions = conditions(&mut composer, placed, &space)?;
+        self.ups = (self.ups.0 || composer.ups.0, self.ups.1 || composer.ups.1);
+        let solid = self.solid(placed, composer, (built, conditions))?;
+        let from_solid = placed.solid.table().and_then(|table| table.get("transform"));
+        let own = placed.object.and_then(|table| table.get("transform"));
+        let motion =
+            |value: Option<&'d Value>| value.map_or(Ok(DAffine3::IDENTITY), |v| motions(self.numbers, v));
+        let base = motion(own)? * motion(from_solid)?;
+        let number = self.solids.len();
+        let copies = self.copies(placed)?;
+        if self.instances.len() + copies.len() > MAX_ALL_INSTANCES {
+            return Err(
+                placed.error(format!("a scene has at most {MAX_ALL_INSTANCES} copies of objects in all"))
+            );
+        }
+        for copy in copies {
+            let motion = copy * base;
+            let is_still = motion == DAffine3::IDENTITY;
+            let instance =
+                if is_still { Some(Instance::unmoved(number)) } else { Instance::new(number, motion) };
+            let flat = || placed.error("a motion that cannot be taken back: it flattens space".to_owned());
+            self.instances.push(instance.ok_or_else(flat)?);
+        }
+        self.solids.push(solid);
+        self.objects.push(placed.name.clone());
+        Ok(())
+    }
+
+    fn solid(
+        &mut self,
+        placed: &Placed<'d>,
+        composer: Composer<'n, 'd>,
+        (built, conditions): (Built, Vec<(NodeId, bool)>),
+    ) -> Outcome<Solid> {
+        let shown = composer.shown.as_ref().filter(|_| is_file(placed.solid));
+        let surface = placed.flag("surface").unwrap_or(shown.is_some_and(|s| s.surface));
+        let ball = self.ball(placed, shown)?;
+        let bounds = match placed.get("bounds") {
+            Some(value) => view::bounds(self.numbers, value)?,
+            None => self.found(placed, &composer, (built.value, &conditions, surface, ball.as_ref()))?,
+        };
+        let Composer { graph, parts, fuel, .. } = composer;
+        let mut attributes = Attributes::default();
+        let parts =
+            finished(&mut attributes, &parts, built.value).map_err(|e| placed.error(e.to_string()))?;
+        let conditions = conditions.into_iter().map(|(node, positive)| {
+            let attribute = attributes.place(&[node]);
+            Condition { attribute, positive }
+        });
+        let conditions = conditions.collect();
+        let field = Field::new(graph, built.value, attributes.nodes);
+        let field = match fuel {
+            Some(fuel) => field.with_fuel(fuel),
+            None => field,
+        };
+        let get = |key: &str| placed.get(key);
+        let method = view::method(self.numbers, get)?;
+        let tolerance = get("tolerance").map(|value| self.numbers.number(value)).transpose()?;
+        Solid::new(field, Bindings::new(), bounds)
+            .with_caps(!placed.flag("open").unwrap_or(false))
+            .with_surface(surface)
+            .with_clip_ball(ball)
+            .with_parts(parts, built.tree)
+            .and_then(|solid| solid.with_conditions(conditions))
+            .and_then(|solid| solid.with_method(method, tolerance))
+            .map_err(|error| placed.error(error.to_string()))
+    }
+
+    fn ball(&self, placed: &Placed<'d>, shown: Option<&Presentation>) -> Outcome<Option<Ball>> {
+        let Some(value) = placed.get("clip_sphere") else {
+            let ball = shown.map_or(Ok(None), crate::presentation::clip_ball);
+            return ball.map_err(|error| placed.error(error.to_string()));
+        };
+        let [x, y, z, radius] = self.numbers.numbers(value)?;
+        let ball = Ball::new(DVec3::new(x, y, z), radius);
+        Ok(Some(ball.map_err(|error| value.error(error.to_string(), "no sphere"))?))
+    }
+
+    /// The box around the places where the surface may be seen.
+    fn found(
+        &mut self,
+        placed: &Placed<'d>,
+        composer: &Composer<'n, 'd>,
+        (value, conditions, surface, clip): (NodeId, &[(NodeId, bool)], bool, Option<&Ball>),
+    ) -> Outcome<Bounds> {
+        let mut graph = composer.graph.clone();
+        let mut sought = value;
+        if surface && !conditions.is_empty() {
+            let (size, least) = (graph.abs(value), graph.constant(f64::MIN_POSITIVE));
+            sought = graph.sub(size, least);
+        }
+        for &(node, positive) in conditions {
+            let outside = if positive { graph.neg(node) } else { node };
+            sought = graph.max(sought, outside);
+        }
+        let field = Field::new(graph, sought, Vec::new());
+        let field = composer.fuel.map_or(field.clone(), |fuel| field.with_fuel(fuel));
+        let bindings = Bindings::new();
+        let surface = surface && conditions.is_empty();
+        let wanted = Wanted { field: &field, bindings: &bindings, surface, clip };
+        let (bounds, warning) = find_bounds(&wanted).map_err(|error| placed.error(error.to_string()))?;
+        self.warnings.extend(warning.map(|warning| (placed.name.clone(), warning)));
+        Ok(bounds)
+    }
+
+    /// Where copies of an object stand.
+    fn copies(&self, placed: &Placed<'d>) -> Outcome<Vec<DAffine3>> {
+        let get = |key: &str| placed.object.and_then(|table| table.get(key));
+        let mut all = Vec::new();
+        if let Some(list) = get("instances") {
+            let copies = list.list().unwrap_or_default();
+            check_count(list, copies.len())?;
+            for copy in copies {
+                all.push(motions(self.numbers, copy)?);
+            }
+        }
+        if let Some(value) = get("scatter") {
+            all.extend(self.scatter(value)?);
+        }
+        if let Some(value) = get("grid") {
+            all.extend(self.grid(value)?);
+        }
+        Ok(if all.is_empty() { vec![DAffine3::IDENTITY] } else { all })
+    }
+
+    fn scatter(&self, value: &'d Value) -> Outcome<Vec<DAffine3>> {
+        let get = |key: &str| value.table().and_then(|table| table.get(key));
+        let (Some(count), Some(place)) = (get("count"), get("box")) else {
+            let error = value.error("a scatter has a `count` and a `box`", "incomplete");
+            return Err(error.with_help("write { count = 100, box = [-1, -1, 0, 1, 1, 0] }").into());
+        };
+        let count = self.numbers.number(count)? as usize;
+        let corners = self.numbers.numbers::<6>(place)?;
+        let [low, high] = [DVec3::from_slice(&corners[..3]), DVec3::from_slice(&corners[3..])];
+        let [least, most] = get("scale").map_or(Ok([1.0; 2]), |scale| self.numbers.numbers(scale))?;
+        let seed = get("seed").map_or(Ok(0.0), |seed| self.numbers.number(seed))? as u64;
+        let axis = get("rotate").and_then(Value::text).unwrap_or("none");
+        let mut random = Random(seed);
+        let copy = |_| {
+            let at = low + (high - low) * DVec3::from(std::array::from_fn(|_| random.number()));
+            let scale = least + (most - least) * random.number();
+            let turn = random.rotation(axis);
+            DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, at)
+        };
+        Ok((0..count.min(MAX_INSTANCES)).map(copy).collect())
+    }
+
+    fn grid(&self, value: &'d Value) -> Outcome<Vec<DAffine3>> {
+        let get = |key: &str| value.table().and_then(|table| table.get(key));
+        let (Some(count), Some(spacing)) = (get("count"), get("spacing")) else {
+            let error = value.error("a grid has a `count` and a `spacing`", "incomplete");
+            return Err(error.with_help("write { count = [4, 4, 1], spacing = [1, 1, 1] }").into());
+        };
+        let [columns, rows, layers] = self.numbers.numbers::<3>(count)?.map(|n| n as usize);
+        check_count(count, columns.saturating_mul(rows).saturating_mul(layers))?;
+        let spacing = DVec3::from(self.numbers.numbers::<3>(spacing)?);
+        let origin = DVec3::from(get("origin").map_or(Ok([0.0; 3]), |origin| self.numbers.numbers(origin))?);
+        let mut all = Vec::new();
+        for (k, j, i) in
+            (0..layers).flat_map(|k| (0..rows).flat_map(move |j| (0..columns).map(move |i| (k, j, i))))
+        {
+            let steps = DVec3::new(i as f64, j as f64, k as f64);
+            all.push(DAffine3::from_translation(origin + spacing * steps));
+        }
+        Ok(all)
+    }
+}
+
+fn check_count(value: &Value, count: usize) -> Outcome<()> {
+    if count <= MAX_INSTANCES {
+        return Ok(());
+    }
+    Err(value.error(format!("an object has at most {MAX_INSTANCES} copies, not {count}"), "too many").into())
+}
+
+fn is_file(solid: &Value) -> bool {
+    solid.table().is_some_and(|table| table.get("file").is_some())
+}
+
+fn finished(
+    attributes: &mut Attributes,
+    parts: &[PartDraft],
+    whole: NodeId,
+) -> Result<Vec<fieldstone_scene::Part>, fieldstone_scene::MaterialError> {
+    parts.iter().map(|part| attributes.part(part, whole)).collect()
+}
+
+/// The names of solids that a solid is composed of.
+fn collect_names<'d>(solid: &'d Value, names: &mut Vec<&'d str>) {
+    let Some(table) = solid.table() else { return };
+    for entry in &table.entries {
+        match entry.key.as_str() {
+            "union" | "intersection" | "difference" | "complement" | "from" | "to" | "solids" | "within" => {
+                for operand in entry.value.one_or_many() {
+                    names.extend(operand.text());
+                    collect_names(operand, names);
+                }
+            }
+            "blend" | "metamorphosis" => collect_names(&entry.value, names),
+            _ => {}
+        }
+    }
+}
+
+/// The conditions of an object: what decides, and whether it must be positive.
+fn conditions<'d>(
+    composer: &mut Composer<'_, 'd>,
+    placed: &Placed<'d>,
+    space: &Space,
+) -> Outcome<Vec<(NodeId, bool)>> {
+    let mut conditions = Vec::new();
+    let Some(list) = placed.get("where") else { return Ok(conditions) };
+    for value in list.one_or_many() {
+        let text = value.text().unwrap_or_default();
+        let sign = text.find(['<', '>']);
+        let Some(at) = sign else {
+            let error = value.error("a condition compares two formulas", "there is no < or >");
+            return Err(error.with_help("write \"a > 0\", \"a < b\", \"a <= b\" or \"a >= b\"").into());
+        };
+        let behind = at + if text[at + 1..].starts_with('=') { 2 } else { 1 };
+        let left = composer.formula_in(value, &text[..at], space)?;
+        // Blanks in the place of the left side keep the places of the right side.
+        let right = " ".repeat(behind) + &text[behind..];
+        let right = composer.formula_in(value, &right, space)?;
+        conditions.push((composer.graph.sub(left, right), text[at..].starts_with('>')));
+    }
+    Ok(conditions)
+}
+
+/// Random numbers: SplitMix64 (Steele, Lea and Flood 2014).
+struct Random(u64);
+
+impl Random {
+    /// From 0 on, below 1.
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        bits ^= bits >> 31;
+        (bits >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Evenly distributed, about an axis or any (Shoemake 1992).
+    fn rotation(&mut self, axis: &str) -> DQuat {
+        let [u, v, w] = std::array::from_fn(|_| self.number());
+        let angle = std::f64::consts::TAU * u;
+        match axis {
+            "x" => DQuat::from_rotation_x(angle),
+            "y" => DQuat::from_rotation_y(angle),
+            "z" => DQuat::from_rotation_z(angle),
+            "any" => {
+                let (a, b) = (std::f64::consts::TAU * v, (1.0 - w).sqrt());
+                let c = w.sqrt();
+                DQuat::from_xyzw(b * angle.sin(), b * angle.cos(), c * a.sin(), c * a.cos()).normalize()
+            }
+            _ => DQuat::IDENTITY,
+        }
+    }
+}

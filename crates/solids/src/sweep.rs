@@ -1,0 +1,181 @@
+//! Solids that move along curves, and shadows of solids of four dimensions.
+
+use crate::expression::{Expr, Vector, write};
+use crate::map::{moved, translate};
+use crate::minimum::{Minimum, MinimumError};
+use fieldstone_field::{Graph, Input, NodeId};
+
+/// The input that stands for the parameter u of curves; no model has as many coordinates.
+pub const CURVE_PARAMETER: Input = Input::Coordinate(u16::MAX);
+
+/// The most points of a curve.
+const MOST_POINTS: usize = 256;
+
+/// A curve c(u), u from 0 to 1.
+#[derive(Clone, Debug)]
+pub enum Curve {
+    /// Straight from point to point, each stretch in the same time; at least two points.
+    Polyline(Vec<[f64; 3]>),
+    /// The Bézier curve of two to 16 control points.
+    Bezier(Vec<[f64; 3]>),
+    /// Around the z axis, from (radius, 0, 0) on.
+    Helix {
+        /// The distance from the axis.
+        radius: f64,
+        /// The rise in one turn.
+        pitch: f64,
+        /// How many turns.
+        turns: f64,
+    },
+    /// Any program of [`CURVE_PARAMETER`], with the nodes of the three coordinates.
+    Program(Box<Graph>, [NodeId; 3]),
+}
+
+/// Why there is no sweep.
+#[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
+pub enum CurveError {
+    /// Too few or too many points.
+    #[error("a {kind} has 2 to {most} points, not {found}")]
+    Points {
+        /// Which curve.
+        kind: &'static str,
+        /// The most that it may have.
+        most: usize,
+        /// How many were given.
+        found: usize,
+    },
+    /// A number that is not finite.
+    #[error("a number of the curve is not finite")]
+    NotFinite,
+    /// What is swept has no minimum.
+    #[error(transparent)]
+    Minimum(#[from] MinimumError),
+}
+
+impl Curve {
+    /// Checks the points.
+    fn check(&self) -> Result<(), CurveError> {
+        let (kind, points, most) = match self {
+            Self::Polyline(points) => ("polyline", points, MOST_POINTS),
+            Self::Bezier(points) => ("Bézier curve", points, 16),
+            Self::Helix { radius, pitch, turns } => {
+                let is_finite = radius.is_finite() && pitch.is_finite() && turns.is_finite();
+                return if is_finite { Ok(()) } else { Err(CurveError::NotFinite) };
+            }
+            Self::Program(..) => return Ok(()),
+        };
+        if !(2..=most).contains(&points.len()) {
+            return Err(CurveError::Points { kind, most, found: points.len() });
+        }
+        let is_finite = points.iter().flatten().all(|x| x.is_finite());
+        if is_finite { Ok(()) } else { Err(CurveError::NotFinite) }
+    }
+
+    /// The coordinates of c(u), for the node of u.
+    fn at(&self, graph: &mut Graph, u: NodeId) -> [NodeId; 3] {
+        if let Self::Program(program, coordinates) = self {
+            let copies = graph.import(program, coordinates, |graph, input| match input {
+                CURVE_PARAMETER => u,
+                other => graph.input(other),
+            });
+            return [copies[0], copies[1], copies[2]];
+        }
+        write(graph, |cell| {
+            let u = Expr::new(cell, u);
+            match self {
+                Self::Polyline(points) => polyline(points, u),
+                Self::Bezier(points) => bezier(points, u),
+                Self::Helix { radius, pitch, turns } => {
+                    let angle = std::f64::consts::TAU * *turns * u;
+                    Vector([*radius * angle.cos(), *radius * angle.sin(), *pitch * *turns * u])
+                }
+                Self::Program(..) => Vector([u; 3]),
+            }
+            .0
+            .map(Expr::id)
+        })
+    }
+}
+
+/// p₀ + Σ clamp(n u − i, 0, 1) (pᵢ₊₁ − pᵢ).
+fn polyline<'g>(points: &[[f64; 3]], u: Expr<'g>) -> Vector<'g> {
+    let count = (points.len() - 1) as f64;
+    let mut at = Vector(points[0].map(|x| u.number(x)));
+    for (i, pair) in points.windows(2).enumerate() {
+        let part = (count * u - i as f64).clamp(0.0, 1.0);
+        at = at + Vector([0, 1, 2].map(|k| (pair[1][k] - pair[0][k]) * part));
+    }
+    at
+}
+
+/// De Casteljau's construction.
+fn bezier<'g>(points: &[[f64; 3]], u: Expr<'g>) -> Vector<'g> {
+    let mut row: Vec<Vector<'g>> = points.iter().map(|p| Vector(p.map(|x| u.number(x)))).collect();
+    while row.len() > 1 {
+        row = row.windows(2).map(|pair| pair[0] + (pair[1] - pair[0]) * u).collect();
+    }
+    row[0]
+}
+
+/// Sweeps a solid along a curve without turning it: the union of its copies moved by c(u), min over u of f(p − c(u)).
+///
+/// The solid's program may have any inputs but [`CURVE_PARAMETER`]; x, y and z are its coordinates.
+///
+/// # Errors
+/// Points that make no curve; a solid with a black box.
+pub fn sweep(
+    graph: &mut Graph,
+    program: &Graph,
+    output: NodeId,
+    curve: &Curve,
+) -> Result<NodeId, CurveError> {
+    curve.check()?;
+    let mut copy = Graph::new();
+    let point = [0, 1, 2].map(|k| copy.input(Input::Coordinate(k)));
+    let u = copy.input(CURVE_PARAMETER);
+    let place = curve.at(&mut copy, u);
+    let at = translate(&mut copy, point, place);
+    let value = moved(&mut copy, program, &[output], at)[0];
+    Ok(Minimum::new(&copy, value, CURVE_PARAMETER, [0.0, 1.0])?.call(graph))
+}
+
+/// Projects a solid along one of its coordinates (usually the fourth, counted 3): the union of its sections,
+/// min over w in `range` of f(x, y, z, w).
+///
+/// # Errors
+/// An empty range; a solid with a black box.
+pub fn project(
+    graph: &mut Graph,
+    program: &Graph,
+    output: NodeId,
+    over: Input,
+    range: [f64; 2],
+) -> Result<NodeId, MinimumError> {
+    Ok(Minimum::new(program, output, over, range)?.call(graph))
+}
+
+/// A ball that moves from point to point: the distance to the nearest stretch less the radius, in closed form.
+///
+/// # Errors
+/// Less than two points; numbers that are not finite.
+pub fn tube(
+    graph: &mut Graph,
+    at: [NodeId; 3],
+    points: &[[f64; 3]],
+    radius: NodeId,
+) -> Result<NodeId, CurveError> {
+    Curve::Polyline(points.to_vec()).check()?;
+    Ok(write(graph, |cell| {
+        let p = Vector(at.map(|id| Expr::new(cell, id)));
+        let distances = points.windows(2).map(|pair| {
+            let along: [f64; 3] = std::array::from_fn(|k| pair[1][k] - pair[0][k]);
+            let squared: f64 = along.iter().map(|d| d * d).sum();
+            let (start, along) = (Vector(pair[0].map(|x| p.0[0].number(x))), along.map(|x| p.0[0].number(x)));
+            let from_start = p - start;
+            let part = from_start.dot(Vector(along)) / squared.max(f64::MIN_POSITIVE);
+            (from_start - Vector(along) * part.clamp(0.0, 1.0)).squared()
+        });
+        let nearest = distances.reduce(|a, b| a.min(b)).unwrap_or_else(|| p.squared());
+        (nearest.sqrt() - Expr::new(cell, radius)).id()
+    }))
+}
