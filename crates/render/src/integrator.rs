@@ -1,12 +1,51 @@
 //! Light: what comes back along a ray.
 //!
-//! Blinn-Phong with hard shadows. A shadow ray starts where the view ray was certainly still outside, one bracket's
-//! width before the surface, so that there is neither acne nor leaking light. Light arrives unless something is found to
-//! block it: a shadow ray that meets nothing but places where the field is undefined, or that runs out of fuel, counts as
-//! free. Certificates of pixels are about their own rays, not about shadows.
+//! Rays are followed in waves (Whitted 1980, breadth first): all rays of a tile look for their surfaces together, then
+//! ask for shadows together, and what surfaces mirror or let through becomes the rays of later waves. Each ray carries
+//! what its light is multiplied by, the pixel's sample that it belongs to, the transparent bodies that it is in, and how
+//! often it may still bounce. Mirrored rays start at a place certainly before the surface, refracted ones at a place
+//! certainly behind it, so that the next hit inside a body is the way out: no offsets are needed.
+//!
+//! Smooth surfaces branch; rough ones send one ray on, chosen by chance. A ray that has bounced as often as it may, or
+//! whose light counts less than [`FAINTEST`], is not followed. Where something is not opaque, light goes straight through
+//! in proportion; that is no bounce. Certificates of pixels are about the first hits of their own rays.
 
+use crate::bsdf::{Chance, Meeting, Onward, Scatter};
+use crate::lamps::{Lamps, Seen, choice};
+use crate::media::Media;
 use crate::query::{Answer, Asker, Prepared, Surface};
+use crate::sampling::{derive, point};
+use crate::sky::Sky;
+use fieldstone_scene::{Appearance, Rgb};
 use glam::DVec3;
+
+/// Rays are not followed whose light is multiplied by less than this, in every component.
+const FAINTEST: f64 = 1.0 / 2048.0;
+
+/// How many surfaces a ray passes straight, where they are not opaque, before it ends.
+const MOST_PASSED: u16 = 256;
+
+/// About how many rays of a wave look for surfaces together.
+const TOGETHER: usize = 4096;
+
+/// The seeds of rays that part from each other.
+mod branch {
+    pub(super) const STRAIGHT: u32 = 8;
+    pub(super) const THROUGH: u32 = 9;
+    pub(super) const MIRROR: u32 = 10;
+}
+
+/// A ray from the eye.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EyeRay {
+    pub(crate) origin: DVec3,
+    /// A unit vector.
+    pub(crate) direction: DVec3,
+    /// What chance depends on: the same for all samples of a pixel.
+    pub(crate) seed: u32,
+    /// Which sample of the pixel it is.
+    pub(crate) index: u32,
+}
 
 /// What a ray brings back.
 #[derive(Clone, Copy, Debug)]
@@ -14,63 +53,259 @@ pub(crate) struct Sample {
     pub(crate) answer: Answer,
     /// Towards the eye; 0 on a miss.
     pub(crate) normal: DVec3,
-    /// Linear RGB; 0 on a miss.
-    pub(crate) colour: DVec3,
+    /// Linear RGB, without the background of the picture.
+    pub(crate) colour: Rgb,
+    /// How much of the background is covered.
+    pub(crate) alpha: f64,
+    /// Whether chance had a part in the colour.
+    pub(crate) by_chance: bool,
 }
 
-/// What comes back along each ray of a bundle.
-pub(crate) fn radiance(prepared: &Prepared<'_>, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Vec<Sample> {
-    let answers = prepared.surfaces(asker, rays);
-    let seen: Vec<usize> = (0..rays.len()).filter(|&i| answers[i].surface.is_some()).collect();
-    let hits: Vec<(Surface, DVec3)> =
-        seen.iter().filter_map(|&i| answers[i].surface.map(|s| (s, rays[i].1))).collect();
-    let normals = prepared.normals(asker, &hits);
-    let colours = shade(prepared, asker, &hits, &normals);
-    let mut samples: Vec<Sample> = answers
-        .into_iter()
-        .zip(rays)
-        .map(|(answer, ray)| {
-            // Volume segments will go before the surface, front to back.
-            let _none = prepared.segments(ray, answer.surface.map_or(f64::INFINITY, |s| s.t));
-            Sample { answer, normal: DVec3::ZERO, colour: DVec3::ZERO }
-        })
-        .collect();
-    for ((&i, normal), colour) in seen.iter().zip(normals).zip(colours) {
-        (samples[i].normal, samples[i].colour) = (normal, colour);
+/// A ray on its way.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    origin: DVec3,
+    direction: DVec3,
+    /// Which of the rays from the eye it belongs to.
+    sample: usize,
+    /// What its light is multiplied by.
+    throughput: Rgb,
+    media: Media,
+    bounces_left: u32,
+    passed: u16,
+    /// Whether it is still the line of sight, straight from the eye.
+    of_sight: bool,
+    sees_lamps: bool,
+    by_chance: bool,
+    seed: u32,
+    index: u32,
+}
+
+/// Follows light through a scene.
+pub(crate) struct Integrator<'s, 'p> {
+    prepared: &'p Prepared<'s>,
+    sky: &'p Sky<'s>,
+    lamps: Lamps<'s, 'p>,
+}
+
+impl<'s, 'p> Integrator<'s, 'p> {
+    pub(crate) fn new(prepared: &'p Prepared<'s>, sky: &'p Sky<'s>) -> Self {
+        Self { prepared, sky, lamps: Lamps::new(prepared, sky) }
     }
-    samples
-}
 
-/// The light that surfaces send back against their rays.
-fn shade(
-    prepared: &Prepared<'_>,
-    asker: &mut Asker,
-    hits: &[(Surface, DVec3)],
-    normals: &[DVec3],
-) -> Vec<DVec3> {
-    let lighting = prepared.scene.lighting();
-    let looks = prepared.appearances(asker, hits);
-    let mut colours: Vec<DVec3> = looks.iter().map(|look| look.colour * lighting.ambient).collect();
-    for light in &lighting.lights {
-        let lit: Vec<usize> = (0..hits.len())
-            .filter(|&i| light.at(hits[i].0.before).is_some_and(|l| l.to_light.dot(normals[i]) > 0.0))
-            .collect();
-        let arriving: Vec<_> = lit.iter().filter_map(|&i| light.at(hits[i].0.before)).collect();
-        let rays: Vec<(DVec3, DVec3)> =
-            lit.iter().zip(&arriving).map(|(&i, l)| (hits[i].0.before, l.to_light)).collect();
-        let blocked = if light.casts_shadow() {
-            let distances: Vec<f64> = arriving.iter().map(|l| l.distance).collect();
-            prepared.blocked(asker, &rays, &distances)
-        } else {
-            vec![false; rays.len()]
+    /// What comes back along each ray from the eye.
+    pub(crate) fn radiance(&self, asker: &mut Asker, rays: &[EyeRay]) -> Vec<Sample> {
+        let bounces_left = self.prepared.scene.settings().bounces;
+        let start = |(sample, ray): (usize, &EyeRay)| Path {
+            origin: ray.origin,
+            direction: ray.direction,
+            sample,
+            throughput: DVec3::ONE,
+            media: Media::default(),
+            bounces_left,
+            passed: 0,
+            of_sight: true,
+            sees_lamps: true,
+            by_chance: false,
+            seed: ray.seed,
+            index: ray.index,
         };
-        for ((&i, l), _) in lit.iter().zip(&arriving).zip(&blocked).filter(|(_, blocked)| !**blocked) {
-            let (look, (_, direction)) = (&looks[i], hits[i]);
-            let cosine = l.to_light.dot(normals[i]);
-            let half = (l.to_light - direction).normalize_or_zero();
-            let highlight = look.specular * half.dot(normals[i]).max(0.0).powf(look.shininess);
-            colours[i] += l.colour * (look.colour * cosine + DVec3::splat(highlight * cosine.min(1.0)));
+        let first: Vec<Path> = rays.iter().enumerate().map(start).collect();
+        let answers = self.surfaces(asker, &first);
+        let empty = |answer: &Answer| Sample {
+            answer: *answer,
+            normal: DVec3::ZERO,
+            colour: DVec3::ZERO,
+            alpha: 0.0,
+            by_chance: false,
+        };
+        let mut samples: Vec<Sample> = answers.iter().map(empty).collect();
+        let mut waiting = self.follow(asker, &first, &answers, &mut samples);
+        while !waiting.is_empty() {
+            // The last ones first: what waits stays little, however rays branch.
+            let wave = waiting.split_off(waiting.len().saturating_sub(TOGETHER));
+            let answers = self.surfaces(asker, &wave);
+            waiting.extend(self.follow(asker, &wave, &answers, &mut samples));
+        }
+        samples
+    }
+
+    fn surfaces(&self, asker: &mut Asker, paths: &[Path]) -> Vec<Answer> {
+        let rays: Vec<(DVec3, DVec3)> = paths.iter().map(|p| (p.origin, p.direction)).collect();
+        self.prepared.surfaces(asker, &rays)
+    }
+
+    /// Adds what rays bring back from what they met to their samples; the rays from which more light comes.
+    fn follow(
+        &self,
+        asker: &mut Asker,
+        paths: &[Path],
+        answers: &[Answer],
+        samples: &mut [Sample],
+    ) -> Vec<Path> {
+        let mut hits: Vec<(Path, Surface)> = Vec::with_capacity(paths.len());
+        for (path, answer) in paths.iter().zip(answers) {
+            // Volume segments will go before the surface, front to back.
+            let furthest = answer.surface.map_or(f64::INFINITY, |s| s.t);
+            let _none = self.prepared.segments(&(path.origin, path.direction), furthest);
+            match answer.surface.filter(|_| !self.meets_lamp(path, furthest, samples)) {
+                Some(surface) => hits.push((path.after(surface.t), surface)),
+                None if answer.surface.is_none() => self.leaves(path, samples),
+                None => {}
+            }
+        }
+        self.scatter(asker, &hits, samples)
+    }
+
+    /// Whether a ray meets a lamp that is a body before it has gone so far; its light is added then.
+    fn meets_lamp(&self, path: &Path, furthest: f64, samples: &mut [Sample]) -> bool {
+        if !path.sees_lamps {
+            return false;
+        }
+        let lamps = self.prepared.scene.lighting().lights.iter().filter(|lamp| lamp.is_visible());
+        let met = lamps.filter_map(|lamp| lamp.hit(path.origin, path.direction));
+        let nearest = met.filter(|(t, _)| *t < furthest).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((t, light)) = nearest else { return false };
+        let path = path.after(t);
+        path.bring(light, &mut samples[path.sample]);
+        true
+    }
+
+    /// Adds what a ray sees that hits nothing.
+    fn leaves(&self, path: &Path, samples: &mut [Sample]) {
+        let sample = &mut samples[path.sample];
+        if !path.of_sight {
+            sample.colour += path.throughput * self.sky.light(path.origin, path.direction);
+        } else if let Some(light) = self.sky.seen(path.origin, path.direction) {
+            // A lamp may have been met: then this ray does not come here.
+            path.bring(light, sample);
         }
     }
-    colours
+
+    fn scatter(&self, asker: &mut Asker, hits: &[(Path, Surface)], samples: &mut [Sample]) -> Vec<Path> {
+        let queries: Vec<(Surface, DVec3)> = hits.iter().map(|(p, s)| (*s, p.direction)).collect();
+        let normals = self.prepared.normals(asker, &queries);
+        let looks = self.prepared.appearances(asker, &queries);
+        let crossings: Vec<Crossing> = hits
+            .iter()
+            .zip(normals.iter().zip(&looks))
+            .map(|((path, surface), (normal, look))| self.crossing(path, surface, *normal, look))
+            .collect();
+        let seen: Vec<Seen> = crossings.iter().map(Crossing::seen).collect();
+        let sent = self.lamps.light(asker, &seen);
+        let mut onward = Vec::new();
+        for (crossing, sent) in crossings.iter().zip(sent) {
+            let (path, look) = (&crossing.path, &crossing.look);
+            let sample = &mut samples[path.sample];
+            if path.of_sight && path.passed == 0 {
+                sample.normal = crossing.normal;
+            }
+            let unlit = if let Scatter::Unlit(colour) = crossing.scatter { colour } else { DVec3::ZERO };
+            path.bring_share(sent.colour + unlit + look.emission, look.opacity, sample);
+            sample.by_chance |= sent.by_chance;
+            crossing.go_on(sample, &mut onward);
+        }
+        onward
+    }
+
+    fn crossing(&self, path: &Path, surface: &Surface, normal: DVec3, look: &Appearance) -> Crossing {
+        let solid = &self.prepared.scene.solids()[self.prepared.scene.instances()[surface.instance].solid()];
+        let passage = path.media.passage(surface.instance, look, surface.from_inside);
+        // A surface without an inside has the same on both sides.
+        let thin = solid.is_surface();
+        let (eta, beyond) = if thin { (look.index, path.media) } else { (passage.eta, passage.beyond) };
+        let meeting = Meeting { direction: path.direction, normal, eta, thin };
+        let outward = if surface.from_inside { -normal } else { normal };
+        let scatter = Scatter::new(look, &meeting, outward);
+        Crossing { path: *path, surface: *surface, normal, look: *look, scatter, beyond }
+    }
+}
+
+/// A ray at a surface.
+struct Crossing {
+    path: Path,
+    surface: Surface,
+    normal: DVec3,
+    look: Appearance,
+    scatter: Scatter,
+    /// The bodies that the ray is in if it goes through.
+    beyond: Media,
+}
+
+impl Crossing {
+    fn seen(&self) -> Seen {
+        Seen {
+            surface: self.surface,
+            normal: self.normal,
+            scatter: self.scatter,
+            seed: self.path.seed,
+            index: self.path.index,
+            by_chance: self.path.by_chance,
+        }
+    }
+
+    /// Adds the rays from which more light comes.
+    fn go_on(&self, sample: &mut Sample, onward: &mut Vec<Path>) {
+        let (path, look) = (&self.path, &self.look);
+        if look.opacity < 1.0 && path.passed < MOST_PASSED {
+            let throughput = path.throughput * (1.0 - look.opacity);
+            let (passed, seed) = (path.passed + 1, derive(path.seed, branch::STRAIGHT));
+            let straight = Path { origin: self.surface.behind, throughput, passed, seed, ..*path };
+            onward.extend(straight.if_bright());
+        }
+        if path.bounces_left == 0 {
+            return;
+        }
+        let number = |choice: u32| point(path.index, derive(path.seed, choice));
+        let chance = Chance { facet: number(choice::FACET), kind: number(choice::KIND).0 };
+        for ray in self.scatter.onward(chance).into_iter().flatten() {
+            sample.by_chance |= ray.rough;
+            onward.extend(self.bounced(&ray).if_bright());
+        }
+    }
+
+    fn bounced(&self, ray: &Onward) -> Path {
+        let path = &self.path;
+        let (origin, media) = match ray.through {
+            true => (self.surface.behind, self.beyond),
+            false => (self.surface.before, path.media),
+        };
+        Path {
+            origin,
+            direction: ray.direction,
+            throughput: path.throughput * ray.weight * self.look.opacity,
+            media,
+            bounces_left: path.bounces_left - 1,
+            of_sight: false,
+            sees_lamps: ray.sees_lamps(),
+            by_chance: path.by_chance || ray.rough,
+            seed: derive(path.seed, if ray.through { branch::THROUGH } else { branch::MIRROR }),
+            ..*path
+        }
+    }
+}
+
+impl Path {
+    /// After a length of its way.
+    fn after(&self, length: f64) -> Self {
+        Self { throughput: self.throughput * self.media.transmittance(length), ..*self }
+    }
+
+    fn if_bright(self) -> Option<Self> {
+        (self.throughput.max_element() >= FAINTEST).then_some(self)
+    }
+
+    /// Adds light that hides all that is behind.
+    fn bring(&self, light: Rgb, sample: &mut Sample) {
+        self.bring_share(light, 1.0, sample);
+    }
+
+    /// Adds light of something that hides this share of what is behind.
+    fn bring_share(&self, light: Rgb, share: f64, sample: &mut Sample) {
+        sample.colour += self.throughput * light * share;
+        if self.of_sight {
+            // On the line of sight nothing but what was passed straight has dimmed the light, in all components alike.
+            sample.alpha += self.throughput.x * share;
+        }
+    }
 }

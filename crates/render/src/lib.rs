@@ -7,14 +7,19 @@
 //!
 //! [`draw_slice`] draws a field on a plane instead.
 
+mod bsdf;
 mod conditions;
 mod hierarchy;
 mod instances;
 mod integrator;
 mod jump;
+mod lamps;
+mod media;
 mod object;
 mod owner;
 mod query;
+mod sampling;
+mod sky;
 mod slice;
 mod tile;
 

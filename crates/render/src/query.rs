@@ -37,7 +37,6 @@ pub(crate) struct Surface {
     /// The surface, seen from where the ray comes from: the last place that is certainly before it.
     pub(crate) before: DVec3,
     /// A place certainly behind it.
-    #[allow(dead_code, reason = "where light goes on that is let through")]
     pub(crate) behind: DVec3,
     /// Whether it is seen from where the field is negative.
     pub(crate) from_inside: bool,
@@ -117,7 +116,6 @@ impl<'s> Prepared<'s> {
 
     /// The nearest surface along each shadow ray that lies before its distance, with the tolerance of shadows: for light
     /// that surfaces let through.
-    #[allow(dead_code, reason = "asked where surfaces let light through, which they do not yet")]
     pub(crate) fn blockers(
         &self,
         asker: &mut Asker,

@@ -1,7 +1,10 @@
 //! The picture, tile by tile on all cores.
 
-use crate::integrator::{Sample, radiance};
+use crate::integrator::{EyeRay, Integrator, Sample};
+use crate::lamps::choice;
 use crate::query::{Asker, Prepared};
+use crate::sampling::{derive, disc, hash, point};
+use crate::sky::Sky;
 use fieldstone_scene::{Film, Pixel, Scene};
 use fieldstone_trace::Certificate;
 use glam::DVec3;
@@ -137,31 +140,46 @@ const BAND: usize = 4096;
 const SAMPLES_TOGETHER: usize = 4096;
 
 /// A pixel with its place.
-type Placed = (u32, u32, Pixel);
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    x: u32,
+    y: u32,
+    pixel: Pixel,
+    /// Whether chance had a part in its colour.
+    by_chance: bool,
+}
 
 /// The picture; `None` if the work was cancelled.
+///
+/// The second pass takes more samples of pixels that differ from a neighbour, and of those in whose colour chance has a
+/// part: light of area lights and of the sky on matt surfaces, rough surfaces that mirror. A lens makes that all pixels.
 fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
     let prepared = Prepared::new(scene);
+    let sky = Sky::new(scene);
+    let integrator = Integrator::new(&prepared, &sky);
     let (width, height) = scene.settings().size;
-    let passes = if scene.settings().samples > 1 { 2 } else { 1 };
+    let has_lens = scene.camera().aperture().is_some();
+    let passes = if scene.settings().samples > 1 || has_lens { 2 } else { 1 };
     let painter = Painter { tiles: Tile::all(width, height), passes, done: AtomicUsize::new(0), options };
     let mut stats = Stats::default();
     let mut film = Film::new(width, height);
+    let mut by_chance = vec![has_lens; width as usize * height as usize];
     for band in painter.bands() {
-        let done =
-            painter.work(band, &mut stats, |asker, tile| look_through_centres(&prepared, asker, tile))?;
-        for (x, y, pixel) in done.iter().flatten() {
-            stats.count(pixel);
-            film.set(*x, *y, pixel);
+        let done = painter
+            .work(band, &mut stats, |asker, tile| look_through_centres(scene, &integrator, asker, tile))?;
+        for placed in done.iter().flatten() {
+            stats.count(&placed.pixel);
+            film.set(placed.x, placed.y, &placed.pixel);
+            by_chance[placed.y as usize * width as usize + placed.x as usize] |= placed.by_chance;
         }
     }
     if passes == 2 {
-        let edges = edges(&film);
+        let unsettled = unsettled(&film, by_chance);
         for band in painter.bands() {
-            let seen = Seen { film: &film, edges: &edges };
-            let done =
-                painter.work(band, &mut stats, |asker, tile| refine_edges(&prepared, asker, tile, &seen))?;
-            done.iter().flatten().for_each(|(x, y, pixel)| film.set(*x, *y, pixel));
+            let seen = Seen { film: &film, unsettled: &unsettled };
+            let refine = |asker: &mut Asker, tile| refine_tile(scene, &integrator, asker, tile, &seen);
+            let done = painter.work(band, &mut stats, refine)?;
+            done.iter().flatten().for_each(|placed| film.set(placed.x, placed.y, &placed.pixel));
         }
     }
     Some(Rendered { film, stats })
@@ -248,106 +266,146 @@ impl Stats {
     }
 }
 
-fn look_through_centres(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile) -> Vec<Placed> {
-    let rays: Vec<_> =
-        tile.pixels().map(|(x, y)| prepared.scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5)).collect();
-    let samples = radiance(prepared, asker, &rays);
-    tile.pixels().zip(&samples).map(|((x, y), sample)| (x, y, to_pixel(sample))).collect()
+fn look_through_centres(
+    scene: &Scene,
+    integrator: &Integrator<'_, '_>,
+    asker: &mut Asker,
+    tile: Tile,
+) -> Vec<Placed> {
+    let ray = |(x, y)| {
+        let (origin, direction) = scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        EyeRay { origin, direction, seed: seed(x, y), index: 0 }
+    };
+    let rays: Vec<EyeRay> = tile.pixels().map(ray).collect();
+    let samples = integrator.radiance(asker, &rays);
+    let place = |((x, y), sample): ((u32, u32), &Sample)| Placed {
+        x,
+        y,
+        pixel: to_pixel(sample),
+        by_chance: sample.by_chance,
+    };
+    tile.pixels().zip(&samples).map(place).collect()
+}
+
+/// What chance depends on in a pixel.
+fn seed(x: u32, y: u32) -> u32 {
+    derive(hash(x), y)
 }
 
 fn to_pixel(sample: &Sample) -> Pixel {
     let answer = &sample.answer;
-    let certificate = f32::from(answer.certificate as u8);
-    let cost = answer.cost as f32;
-    match answer.surface {
-        None => Pixel { certificate, cost, ..Pixel::MISS },
-        Some(surface) => Pixel {
-            colour: sample.colour.as_vec3().to_array(),
-            alpha: 1.0,
-            depth: surface.t as f32,
-            normal: sample.normal.as_vec3().to_array(),
-            part: surface.part as f32,
-            certificate,
-            cost,
-        },
-    }
+    let seen = Pixel {
+        colour: sample.colour.as_vec3().to_array(),
+        alpha: sample.alpha as f32,
+        certificate: f32::from(answer.certificate as u8),
+        cost: answer.cost as f32,
+        ..Pixel::MISS
+    };
+    answer.surface.map_or(seen, |surface| Pixel {
+        depth: surface.t as f32,
+        normal: sample.normal.as_vec3().to_array(),
+        part: surface.part as f32,
+        ..seen
+    })
 }
 
 /// What the first pass saw.
 struct Seen<'f> {
     /// Pixels of later bands are as seen through their centres.
     film: &'f Film,
-    /// Which pixels differ from a neighbour, row by row.
-    edges: &'f [bool],
+    /// Which pixels need more samples, row by row.
+    unsettled: &'f [bool],
 }
 
-/// Which pixels differ from one of their eight neighbours, row by row.
-fn edges(film: &Film) -> Vec<bool> {
+/// Which pixels need more samples, row by row: those of chance, and those that differ from one of their eight
+/// neighbours.
+fn unsettled(film: &Film, by_chance: Vec<bool>) -> Vec<bool> {
     let (width, height) = (film.width(), film.height());
-    let mut edges = vec![false; width as usize * height as usize];
-    edges.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
-        for (is_edge, x) in row.iter_mut().zip(0..width) {
+    let mut unsettled = by_chance;
+    unsettled.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
+        for (is_unsettled, x) in row.iter_mut().zip(0..width) {
             let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
             let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
             let Some(here) = film.pixel(x, y) else { continue };
             let differs = |u, v| film.pixel(u, v).is_some_and(|there| differ(&here, &there));
-            *is_edge = (above..=below).any(|v| (left..=right).any(|u| differs(u, v)));
+            *is_unsettled |= (above..=below).any(|v| (left..=right).any(|u| differs(u, v)));
         }
     });
-    edges
+    unsettled
 }
 
-/// More samples for the pixels of a tile that differ from a neighbour.
-fn refine_edges(prepared: &Prepared<'_>, asker: &mut Asker, tile: Tile, seen: &Seen<'_>) -> Vec<Placed> {
+/// More samples for the pixels of a tile that need them.
+fn refine_tile(
+    scene: &Scene,
+    integrator: &Integrator<'_, '_>,
+    asker: &mut Asker,
+    tile: Tile,
+    seen: &Seen<'_>,
+) -> Vec<Placed> {
     let width = seen.film.width() as usize;
-    let is_edge = |x: u32, y: u32| seen.edges[y as usize * width + x as usize];
-    let edges: Vec<Placed> = tile
+    let is_unsettled = |x: u32, y: u32| seen.unsettled[y as usize * width + x as usize];
+    let pixels: Vec<(u32, u32, Pixel)> = tile
         .pixels()
-        .filter(|&(x, y)| is_edge(x, y))
+        .filter(|&(x, y)| is_unsettled(x, y))
         .filter_map(|(x, y)| seen.film.pixel(x, y).map(|pixel| (x, y, pixel)))
         .collect();
-    let extra = prepared.scene.settings().samples as usize - 1;
-    let some = (SAMPLES_TOGETHER / extra).max(1);
-    edges.chunks(some).flat_map(|edges| refine(prepared, asker, edges, extra)).collect()
+    let some = (SAMPLES_TOGETHER / scene.settings().samples as usize).max(1);
+    pixels.chunks(some).flat_map(|pixels| refine(scene, integrator, asker, pixels)).collect()
 }
 
-/// So many more samples for each pixel.
-fn refine(prepared: &Prepared<'_>, asker: &mut Asker, edges: &[Placed], extra: usize) -> Vec<Placed> {
-    let rays: Vec<_> = edges
-        .iter()
-        .flat_map(|&(x, y, _)| (1..=extra).map(move |i| (x, y, place_in_pixel(i))))
-        .map(|(x, y, (u, v))| prepared.scene.ray(f64::from(x) + u, f64::from(y) + v))
-        .collect();
-    let samples = radiance(prepared, asker, &rays);
-    edges
-        .iter()
-        .zip(samples.chunks(extra))
-        .map(|(&(x, y, centre), samples)| {
-            let covered = samples.iter().filter(|s| s.answer.surface.is_some()).count() as f64;
-            let weight = 1.0 / (extra + 1) as f64;
-            let colour = (colour(&centre) + samples.iter().map(|s| s.colour).sum::<DVec3>()) * weight;
-            let alpha = (f64::from(centre.alpha) + covered) * weight;
-            (x, y, Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..centre })
-        })
-        .collect()
+/// All samples of each pixel. The one through its centre is known, unless there is a lens: that one went through the
+/// middle of it.
+fn refine(
+    scene: &Scene,
+    integrator: &Integrator<'_, '_>,
+    asker: &mut Asker,
+    pixels: &[(u32, u32, Pixel)],
+) -> Vec<Placed> {
+    let all = scene.settings().samples;
+    let known = u32::from(scene.camera().aperture().is_none());
+    let ray = |x: u32, y: u32, index: u32| {
+        let (u, v) = place_in_pixel(index as usize);
+        let place = (f64::from(x) + u, f64::from(y) + v);
+        let lens = disc(point(index, derive(seed(x, y), choice::LENS)));
+        let (origin, direction) = scene.lens_ray(place, lens);
+        EyeRay { origin, direction, seed: seed(x, y), index }
+    };
+    let rays: Vec<EyeRay> =
+        pixels.iter().flat_map(|&(x, y, _)| (known..all).map(move |index| ray(x, y, index))).collect();
+    let samples = integrator.radiance(asker, &rays);
+    let weight = 1.0 / f64::from(all);
+    let sum = |(&(x, y, centre), samples): (&(u32, u32, Pixel), &[Sample])| {
+        let (first, cover) = match known {
+            1 => (colour(&centre), f64::from(centre.alpha)),
+            _ => (DVec3::ZERO, 0.0),
+        };
+        let colour = (first + samples.iter().map(|s| s.colour).sum::<DVec3>()) * weight;
+        let alpha = (cover + samples.iter().map(|s| s.alpha).sum::<f64>()) * weight;
+        let pixel = Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..centre };
+        Placed { x, y, pixel, by_chance: false }
+    };
+    pixels.iter().zip(samples.chunks((all - known) as usize)).map(sum).collect()
 }
 
 fn colour(pixel: &Pixel) -> DVec3 {
     DVec3::from_array(pixel.colour.map(f64::from))
 }
 
-/// Whether an edge runs between two neighbours: of a solid, a part, a crease, or light.
+/// Whether an edge runs between two neighbours: of a solid, a part, a crease, or light, mirrored and refracted light too.
 fn differ(a: &Pixel, b: &Pixel) -> bool {
     if a.part != b.part {
         return true;
     }
-    if a.part < 0.0 {
+    if a.part < 0.0 && a.alpha == 0.0 && b.alpha == 0.0 {
         return false;
     }
+    // There is no normal where an environment or a lamp is seen.
     let normals: f32 = a.normal.iter().zip(b.normal).map(|(p, q)| p * q).sum();
+    let crease = a.part >= 0.0 && normals < 0.9;
+    let cover = (a.alpha - b.alpha).abs() > 0.15;
     let (a, b) = (colour(a), colour(b));
     let brightest = a.max(b) + DVec3::splat(0.02);
-    normals < 0.9 || ((a - b).abs() / brightest).max_element() > 0.15
+    crease || cover || ((a - b).abs() / brightest).max_element() > 0.15
 }
 
 /// The place of sample `i` in a pixel: the first in its centre, the others evenly around it (Roberts 2018).
