@@ -2,10 +2,12 @@
 //!
 //! Boxes are halved at the median of their centres along the longest side (Kay and Kajiya 1986), so that the depth is
 //! that of a balanced tree. They are widened by more than the rounding of the test, which takes rays within their faces
-//! too: no box that a ray crosses is left out.
+//! too: no box that a ray crosses is left out. Boxes come from the nearest on, and only as far as they are asked for.
 
 use fieldstone_scene::Bounds;
 use glam::DVec3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
 /// How many boxes a leaf holds at most.
 const LEAF: usize = 4;
@@ -47,23 +49,79 @@ impl Region {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Where the line origin + t·direction enters, if it crosses the box, widened, between `start` and `end`.
-    fn enter(&self, origin: DVec3, direction: DVec3, (start, end): (f64, f64)) -> Option<f64> {
-        let (mut near, mut far) = (start, end);
+    /// The largest coordinate.
+    fn reach(&self) -> f64 {
+        self.min.abs().max(self.max.abs()).max_element()
+    }
+}
+
+/// A ray on its way through a hierarchy.
+#[derive(Debug)]
+pub(crate) struct Passage {
+    origin: DVec3,
+    /// 1 / direction; 0 along axes along which the ray does not move.
+    inverse: DVec3,
+    /// How much boxes are widened.
+    margin: DVec3,
+    end: f64,
+    /// What is still to be looked at.
+    open: BinaryHeap<Crossed>,
+}
+
+/// A node or box that a ray crosses. The greatest is the one that it enters first.
+#[derive(Clone, Copy, Debug)]
+struct Crossed {
+    enter: f64,
+    what: What,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+enum What {
+    Node(u32),
+    Item(u32),
+}
+
+impl Ord for Crossed {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.enter.total_cmp(&self.enter).then(other.what.cmp(&self.what))
+    }
+}
+
+impl PartialOrd for Crossed {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Crossed {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Crossed {}
+
+impl Passage {
+    /// Notes a node or box down, if the ray crosses it.
+    fn meet(&mut self, region: &Region, what: What) {
+        let low = (region.min - self.margin - self.origin) * self.inverse;
+        let high = (region.max + self.margin - self.origin) * self.inverse;
+        let (mut near, mut far) = (0.0f64, self.end);
         for axis in 0..3 {
-            let margin = MARGIN * (self.min[axis].abs().max(self.max[axis].abs()) + origin[axis].abs());
-            let (min, max) = (self.min[axis] - margin - origin[axis], self.max[axis] + margin - origin[axis]);
-            let slope = direction[axis];
-            if slope.abs() < FLAT {
-                if min > 0.0 || max < 0.0 {
-                    return None;
+            if self.inverse[axis] == 0.0 {
+                let place = self.origin[axis];
+                let (min, max) = (region.min[axis] - self.margin[axis], region.max[axis] + self.margin[axis]);
+                if place < min || place > max {
+                    return;
                 }
                 continue;
             }
-            let (a, b) = (min / slope, max / slope);
-            (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
+            near = near.max(low[axis].min(high[axis]));
+            far = far.min(low[axis].max(high[axis]));
         }
-        (near <= far).then_some(near)
+        if near <= far {
+            self.open.push(Crossed { enter: near, what });
+        }
     }
 }
 
@@ -94,31 +152,35 @@ impl Hierarchy {
         Self { nodes, items, boxes }
     }
 
-    /// Appends the boxes that a ray crosses between two values of t, with where it enters each, in no order.
-    pub(crate) fn crossed(
-        &self,
-        (origin, direction): (DVec3, DVec3),
-        span: (f64, f64),
-        found: &mut Vec<(f64, u32)>,
-    ) {
-        // As deep as a balanced tree of 2³² boxes; more would only be slower.
-        let mut open = Vec::with_capacity(32);
-        open.push(0);
-        while let Some(node) = open.pop() {
-            let Node { region, first, count } = self.nodes[node as usize];
-            if region.enter(origin, direction, span).is_none() {
-                continue;
-            }
-            if count == 0 {
-                open.extend([first, first + 1]);
-            }
-            let leaf = first as usize..(first + count) as usize;
-            for (region, &item) in self.boxes[leaf.clone()].iter().zip(&self.items[leaf]) {
-                if let Some(enter) = region.enter(origin, direction, span) {
-                    found.push((enter, item));
+    /// The way of a ray, origin + t·direction with t from 0 to `end`.
+    pub(crate) fn passage(&self, (origin, direction): (DVec3, DVec3), end: f64) -> Passage {
+        let flat = direction.abs().cmplt(DVec3::splat(FLAT));
+        let inverse = DVec3::select(flat, DVec3::ZERO, direction.recip());
+        let root = &self.nodes[0].region;
+        let margin = MARGIN * (origin.abs() + DVec3::splat(root.reach()));
+        let mut passage = Passage { origin, inverse, margin, end, open: BinaryHeap::new() };
+        passage.meet(root, What::Node(0));
+        passage
+    }
+
+    /// The next box that a ray enters, unless it does so behind `reach`: then nothing more is to be expected.
+    pub(crate) fn next(&self, passage: &mut Passage, reach: f64) -> Option<usize> {
+        while let Some(Crossed { what, .. }) = passage.open.pop().filter(|next| next.enter <= reach) {
+            let node = match what {
+                What::Item(item) => return Some(item as usize),
+                What::Node(node) => self.nodes[node as usize],
+            };
+            if node.count == 0 {
+                for child in [node.first, node.first + 1] {
+                    passage.meet(&self.nodes[child as usize].region, What::Node(child));
                 }
             }
+            for place in node.first as usize..(node.first + node.count) as usize {
+                passage.meet(&self.boxes[place], What::Item(self.items[place]));
+            }
         }
+        passage.open.clear();
+        None
     }
 }
 
@@ -152,10 +214,13 @@ mod tests {
         (0..count).map(|_| one()).collect()
     }
 
-    fn crossed(hierarchy: &Hierarchy, ray: (DVec3, DVec3)) -> Vec<u32> {
-        let mut found = Vec::new();
-        hierarchy.crossed(ray, (0.0, f64::INFINITY), &mut found);
-        let mut items: Vec<u32> = found.into_iter().map(|(_, item)| item).collect();
+    fn until(hierarchy: &Hierarchy, ray: (DVec3, DVec3), end: f64) -> Vec<usize> {
+        let mut passage = hierarchy.passage(ray, end);
+        std::iter::from_fn(|| hierarchy.next(&mut passage, f64::INFINITY)).collect()
+    }
+
+    fn crossed(hierarchy: &Hierarchy, ray: (DVec3, DVec3)) -> Vec<usize> {
+        let mut items = until(hierarchy, ray, f64::INFINITY);
         items.sort_unstable();
         items
     }
@@ -170,7 +235,7 @@ mod tests {
                 let origin = 30.0 * point(&mut seed) - DVec3::splat(10.0);
                 let direction = (5.0 * point(&mut seed) + DVec3::splat(2.5) - origin).normalize();
                 let meets = |b: &Bounds| b.ray_span(origin, direction).is_some_and(|s| s.exit >= 0.0);
-                let expected: Vec<u32> =
+                let expected: Vec<usize> =
                     (0..).zip(&boxes).filter(|(_, b)| meets(b)).map(|(i, _)| i).collect();
                 hits += expected.len();
                 assert_eq!(crossed(&hierarchy, (origin, direction)), expected);
@@ -191,12 +256,19 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beyond_the_end_is_left_out() {
-        let hierarchy = Hierarchy::new(&boxes(3000));
+    fn boxes_come_from_the_nearest_on_as_far_as_they_are_asked_for() {
+        let boxes = boxes(3000);
+        let hierarchy = Hierarchy::new(&boxes);
         let ray = (DVec3::new(-1.0, 5.0, 5.0), DVec3::X);
-        let mut found = Vec::new();
-        hierarchy.crossed(ray, (0.0, 6.0), &mut found);
-        assert!(!found.is_empty() && found.iter().all(|(enter, _)| *enter <= 6.0));
-        assert!(found.len() < crossed(&hierarchy, ray).len());
+        let enter = |item: usize| boxes[item].ray_span(ray.0, ray.1).unwrap().enter;
+        let all = until(&hierarchy, ray, f64::INFINITY);
+        assert!(all.len() > 5 && all.is_sorted_by(|&a, &b| enter(a) <= enter(b)));
+        let expected: Vec<usize> = all.iter().copied().filter(|&item| enter(item) <= 6.0).collect();
+        assert!(expected.len() < all.len());
+        assert_eq!(until(&hierarchy, ray, 6.0), expected);
+        let mut passage = hierarchy.passage(ray, f64::INFINITY);
+        let reached: Vec<usize> = std::iter::from_fn(|| hierarchy.next(&mut passage, 6.0)).collect();
+        assert_eq!(reached, expected);
+        assert_eq!(hierarchy.next(&mut passage, f64::INFINITY), None);
     }
 }

@@ -5,7 +5,7 @@
 //! surface that it has met. This happens in rounds: the rays that ask instances of one solid in the same round are traced
 //! together, so that lanes are full however few rays meet each instance.
 
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, Passage};
 use crate::object::{Found, Meeting, ObjectRay, Sought};
 use crate::query::{Answer, Asker, Prepared, Question, Surface};
 use fieldstone_field::LANES;
@@ -46,14 +46,6 @@ struct Moved {
     shift: f64,
 }
 
-/// The instances that each ray may meet, nearest first.
-struct Candidates {
-    /// Where a ray enters the box of an instance, and which it is.
-    list: Vec<(f64, u32)>,
-    /// For each ray what is left to ask of the list.
-    left: Vec<std::ops::Range<usize>>,
-}
-
 impl Prepared<'_> {
     /// What rays meet; which parts own it is not known yet.
     pub(crate) fn trace(&self, asker: &mut Asker, question: &Question<'_>) -> Vec<Answer> {
@@ -66,12 +58,11 @@ impl Prepared<'_> {
                 }
             }
             Some(hierarchy) => {
-                let mut candidates = Candidates::new(hierarchy, question);
-                loop {
-                    let visits = self.next_round(&mut candidates, question, &answers);
-                    if visits.is_empty() {
-                        break;
-                    }
+                let passage = |(i, &ray)| (i, hierarchy.passage(ray, question.furthest(i)));
+                let mut passages: Vec<(usize, Passage)> =
+                    question.rays.iter().enumerate().map(passage).collect();
+                while !passages.is_empty() {
+                    let visits = self.next_round(hierarchy, &mut passages, |i| reach(question, &answers, i));
                     for of_solid in visits.chunk_by(|a, b| a.solid == b.solid) {
                         self.visit(asker, question, of_solid, &mut answers);
                     }
@@ -99,22 +90,22 @@ impl Prepared<'_> {
         }
     }
 
-    /// The next instances that rays ask, sorted by solid, instance and ray.
+    /// The next instances that rays ask, sorted by solid, instance and ray; rays that have none left are dropped.
     fn next_round(
         &self,
-        candidates: &mut Candidates,
-        question: &Question<'_>,
-        answers: &[Answer],
+        hierarchy: &Hierarchy,
+        passages: &mut Vec<(usize, Passage)>,
+        reach: impl Fn(usize) -> f64,
     ) -> Vec<Visit> {
-        let waiting = candidates.drop_what_is_behind(|ray| reach(question, answers, ray));
-        let each = ROUND.checked_div(waiting).unwrap_or(0).max(1);
-        let mut visits = Vec::new();
-        for (ray, left) in candidates.left.iter_mut().enumerate() {
-            for place in left.by_ref().take(each) {
-                let instance = candidates.list[place].1 as usize;
-                visits.push(Visit { solid: self.scene.instances()[instance].solid(), instance, ray });
+        let each = (ROUND / passages.len().max(1)).max(1);
+        let mut visits = Vec::with_capacity(passages.len() * each);
+        passages.retain_mut(|(ray, passage)| {
+            for _ in 0..each {
+                let Some(instance) = hierarchy.next(passage, reach(*ray)) else { return false };
+                visits.push(Visit { solid: self.scene.instances()[instance].solid(), instance, ray: *ray });
             }
-        }
+            true
+        });
         visits.sort_unstable();
         visits
     }
@@ -169,29 +160,6 @@ fn reach(question: &Question<'_>, answers: &[Answer], ray: usize) -> f64 {
     match question.sought {
         Sought::AnyBlocker if known.is_some() => f64::NEG_INFINITY,
         _ => known.map_or(f64::INFINITY, |s| s.far).min(question.furthest(ray)),
-    }
-}
-
-impl Candidates {
-    fn new(hierarchy: &Hierarchy, question: &Question<'_>) -> Self {
-        let (mut list, mut left) = (Vec::new(), Vec::with_capacity(question.rays.len()));
-        for (i, &ray) in question.rays.iter().enumerate() {
-            let start = list.len();
-            hierarchy.crossed(ray, (0.0, question.furthest(i)), &mut list);
-            list[start..].sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            left.push(start..list.len());
-        }
-        Self { list, left }
-    }
-
-    /// Drops what begins behind the reach of its ray; how many rays have something left?
-    fn drop_what_is_behind(&mut self, reach: impl Fn(usize) -> f64) -> usize {
-        for (ray, left) in self.left.iter_mut().enumerate() {
-            if left.start < left.end && self.list[left.start].0 > reach(ray) {
-                left.end = left.start;
-            }
-        }
-        self.left.iter().filter(|left| left.start < left.end).count()
     }
 }
 

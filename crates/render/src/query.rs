@@ -302,3 +302,6 @@ impl Surface {
         if self.from_inside { self.before } else { self.behind }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -23,6 +23,8 @@ use touch::{Probe, Search, Searched};
 const ACCEPT: f64 = 1.0 / 256.0;
 /// A span shorter than this, relative to the size, is passed over without proof: a tangent point, for example.
 const FLOOR: f64 = 1.0 / (1u64 << 36) as f64;
+/// The same of rays for which any hit will do, relative to the tolerance: as much as [`FLOOR`] is of the default.
+const FLOOR_OF_TOLERANCE: f64 = 1.0 / 64.0;
 /// The same where the field may be undefined, so that no inclusion can ever prove anything.
 const UNDEFINED_FLOOR: f64 = 1.0 / 1024.0;
 /// Loops that took so many turns, over a span where the field may be undefined, are treated like those that do not end.
@@ -404,6 +406,8 @@ impl Lane {
     /// The shortest span that is still looked at: it grows with what the ray has cost.
     fn floor(&self, settings: &Settings) -> f64 {
         let base = match settings.method {
+            // Shadows may be coarser than what is seen.
+            Method::Affine if settings.any_hit => FLOOR.max(settings.tolerance * FLOOR_OF_TOLERANCE),
             Method::Affine => FLOOR,
             _ => FLOOR.max(settings.tolerance / 16.0),
         };

@@ -114,7 +114,8 @@ pub struct Settings {
     pub method: Method,
     /// The size of the scene, in units of t: the longest side of its bounds. Tolerances are relative to it.
     pub size: f64,
-    /// The width of the final bracket, relative to `size`; at most 10⁻⁶ for certificates to mean much.
+    /// The width of the final bracket, relative to `size`; at most 10⁻⁶ for certificates to mean much. Where any hit will
+    /// do, spans shorter than a 64th of it are passed over without proof.
     pub tolerance: f64,
     /// Whether a ray that starts inside needs no crossing: it starts on a cap.
     pub caps: bool,

@@ -40,6 +40,21 @@ fn methods() -> [Settings; 3] {
     ]
 }
 
+/// A ray that touches the ball is decided by how closely one looks: a coarser tolerance is for shadows alone.
+#[test]
+fn coarse_shadows_cost_less_where_rays_graze() {
+    let cost = |any_hit, tolerance| {
+        let settings = Settings { any_hit, tolerance, ..Settings::new(6.0) };
+        let outcome = first_hit(&ball(), along_x(1.0), &settings);
+        assert!(outcome.hit.is_none() && outcome.certificate != Certificate::Certified);
+        outcome.cost
+    };
+    let [fine, coarse] = [Settings::TOLERANCE, 1e-3].map(|tolerance| cost(true, tolerance));
+    assert!(2 * coarse < fine, "{coarse} {fine}");
+    assert_eq!(cost(false, Settings::TOLERANCE), fine);
+    assert_eq!(cost(false, 1e-3), fine);
+}
+
 #[test]
 fn every_method_finds_the_ball() {
     for settings in methods() {
