@@ -85,7 +85,9 @@ pub use frames::{Frames, FramesError, MAX_FRAMES};
 pub use inputs::{InputError, Inputs};
 pub use load::{LoadError, LoadOptions, Loaded, MAX_FILE_BYTES, formula, load};
 pub use measure::{MeasureError, MeasureRequest, Measured};
-pub use output::{OutputError, check_writable, write_beside, write_exr, write_png, write_rgb};
+pub use output::{
+    OutputError, check_writable, write_beside, write_exr, write_png, write_png_toned, write_rgb,
+};
 pub use plot::{
     AffineForm, FirstHit, PictureError, PlotError, PlotRequest, PlottedSpan, RayChoice, RayPlot, Root,
     SpanChoice, Verdict,
@@ -93,7 +95,7 @@ pub use plot::{
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
 
-pub use fieldstone_field::{Bindings, Field, Graph, Input};
+pub use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
 pub use fieldstone_lang::{
     Diagnostic, Diagnostics, Dialect, FileSign, Finish, Lamp, Lens, Model, Object, Parameter, Presentation,
     PrintError, Printed, Severity, Signature, Source, Syntax, UpAxis, Viewpoint, hyperfun_functions,

@@ -9,7 +9,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
     SmallVec, WritableImage,
 };
-use fieldstone_scene::{Background, Film};
+use fieldstone_scene::{Background, Film, Tone};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::fs::{self, File};
@@ -32,6 +32,19 @@ pub struct OutputError {
 /// The file cannot be written; nothing is left of it then.
 pub fn write_png(film: &Film, background: &Background, path: &Path) -> Result<(), OutputError> {
     write_rgb((film.width(), film.height()), &film.composite_over(background), path)
+}
+
+/// The same, with an exposure and a tone curve.
+///
+/// # Errors
+/// The file cannot be written; nothing is left of it then.
+pub fn write_png_toned(
+    film: &Film,
+    background: &Background,
+    tone: &Tone,
+    path: &Path,
+) -> Result<(), OutputError> {
+    write_rgb((film.width(), film.height()), &film.develop(background, tone), path)
 }
 
 /// Writes pixels, red, green and blue in sRGB, row by row from the top, as a PNG.

@@ -6,8 +6,8 @@
 //! often it may still bounce. Mirrored rays start at a place certainly before the surface, refracted ones at a place
 //! certainly behind it, so that the next hit inside a body is the way out: no offsets are needed.
 //!
-//! Smooth surfaces branch; rough ones send one ray on, chosen by chance. A ray that has bounced as often as it may, or
-//! whose light counts less than [`FAINTEST`], is not followed. Where something is not opaque, light goes straight through
+//! Smooth surfaces branch; rough ones send one ray on, chosen by chance. A ray that has bounced as often as it may is
+//! not followed; of those whose light counts less than [`FAINTEST`] a few are, for all others. Where something is not opaque, light goes straight through
 //! in proportion; that is no bounce. Certificates of pixels are about the first hits of their own rays.
 
 use crate::bsdf::{Chance, Meeting, Onward, Scatter};
@@ -19,8 +19,8 @@ use crate::sky::Sky;
 use fieldstone_scene::{Appearance, Rgb};
 use glam::DVec3;
 
-/// Rays are not followed whose light is multiplied by less than this, in every component.
-const FAINTEST: f64 = 1.0 / 2048.0;
+/// Of rays whose light is multiplied by less than this, in every component, only some are followed.
+const FAINTEST: f64 = 1.0 / 8192.0;
 
 /// How many surfaces a ray passes straight, where they are not opaque, before it ends.
 const MOST_PASSED: u16 = 256;
@@ -148,10 +148,12 @@ impl<'s, 'p> Integrator<'s, 'p> {
             // Volume segments will go before the surface, front to back.
             let furthest = answer.surface.map_or(f64::INFINITY, |s| s.t);
             let _none = self.prepared.segments(&(path.origin, path.direction), furthest);
-            match answer.surface.filter(|_| !self.meets_lamp(path, furthest, samples)) {
+            if self.meets_lamp(path, furthest, samples) {
+                continue;
+            }
+            match answer.surface {
                 Some(surface) => hits.push((path.after(surface.t), surface)),
-                None if answer.surface.is_none() => self.leaves(path, samples),
-                None => {}
+                None => self.leaves(path, samples),
             }
         }
         self.scatter(asker, &hits, samples)
@@ -177,7 +179,6 @@ impl<'s, 'p> Integrator<'s, 'p> {
         if !path.of_sight {
             sample.colour += path.throughput * self.sky.light(path.origin, path.direction);
         } else if let Some(light) = self.sky.seen(path.origin, path.direction) {
-            // A lamp may have been met: then this ray does not come here.
             path.bring(light, sample);
         }
     }
@@ -211,8 +212,8 @@ impl<'s, 'p> Integrator<'s, 'p> {
     fn crossing(&self, path: &Path, surface: &Surface, normal: DVec3, look: &Appearance) -> Crossing {
         let solid = &self.prepared.scene.solids()[self.prepared.scene.instances()[surface.instance].solid()];
         let passage = path.media.passage(surface.instance, look, surface.from_inside);
-        // A surface without an inside has the same on both sides.
-        let thin = solid.is_surface();
+        // A surface without an inside, or one with holes in it, has the same on both sides.
+        let thin = solid.is_surface() || !solid.conditions().is_empty();
         let (eta, beyond) = if thin { (look.index, path.media) } else { (passage.eta, passage.beyond) };
         let meeting = Meeting { direction: path.direction, normal, eta, thin };
         let outward = if surface.from_inside { -normal } else { normal };
@@ -291,8 +292,15 @@ impl Path {
         Self { throughput: self.throughput * self.media.transmittance(length), ..*self }
     }
 
+    /// The ray, if its light counts enough. Fainter rays are kept by chance, in proportion, and count for those that are
+    /// not: so nothing is lost on average.
     fn if_bright(self) -> Option<Self> {
-        (self.throughput.max_element() >= FAINTEST).then_some(self)
+        let share = self.throughput.max_element() / FAINTEST;
+        if share >= 1.0 {
+            return Some(self);
+        }
+        let chance = f64::from(derive(self.seed, self.index)) / (1u64 << 32) as f64;
+        (chance < share).then(|| Self { throughput: self.throughput / share, ..self })
     }
 
     /// Adds light that hides all that is behind.

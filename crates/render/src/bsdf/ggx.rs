@@ -7,7 +7,7 @@ use crate::sampling::{at_height, point};
 use glam::DVec3;
 
 /// How many visible normals a directional albedo is summed over.
-const ALBEDO_POINTS: u32 = 64;
+const ALBEDO_POINTS: u32 = 128;
 
 /// A distribution of facets.
 #[derive(Clone, Copy, PartialEq, Debug)]
