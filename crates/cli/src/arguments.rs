@@ -105,6 +105,12 @@ enum DialectName {
 impl ModelArguments {
     /// Reads the model.
     pub(crate) fn load(&self) -> Result<Loaded, Failure> {
+        if let Some(path) = self.scene().filter(|_| self.expression.is_none()) {
+            let path = path.display();
+            return Err(Failure::Usage(format!(
+                "{path} is a scene: render and check read it, here a model is needed"
+            )));
+        }
         let dialect = match self.dialect {
             DialectName::Lenient => Dialect::Lenient,
             DialectName::Strict => Dialect::Strict,

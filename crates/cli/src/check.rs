@@ -1,6 +1,7 @@
 //! `fieldstone check`.
 
 mod json;
+mod scene;
 
 use crate::arguments::CheckArguments;
 use crate::failure::Failure;
@@ -11,8 +12,11 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Prints what is in a model.
+/// Prints what is in a model or a scene.
 pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
+    if let Some(path) = arguments.model.scene() {
+        return print(&scene::report(arguments, path)?);
+    }
     let loaded = arguments.model.load().inspect_err(|failure| {
         if let (true, Failure::Model(diagnostics)) = (arguments.json, failure) {
             // The errors go to standard error too, and decide how the program ends.
@@ -98,9 +102,14 @@ fn bounds(found: &FoundBounds) -> String {
     if found.extent != Extent::Bounded {
         return "none".to_owned();
     }
+    numbers(&found.min, &found.max)
+}
+
+/// The corners of a box.
+fn numbers(min: &[f64; 3], max: &[f64; 3]) -> String {
     // Four digits of the longest side are more than the bounds have.
-    let longest = (0..3).map(|i| found.max[i] - found.min[i]).fold(0.0, f64::max);
+    let longest = (0..3).map(|i| max[i] - min[i]).fold(0.0, f64::max);
     let digits = (4.0 - longest.log10()).ceil().clamp(0.0, 17.0) as usize;
-    let numbers: Vec<String> = found.min.iter().chain(&found.max).map(|x| format!("{x:.digits$}")).collect();
+    let numbers: Vec<String> = min.iter().chain(max).map(|x| format!("{x:.digits$}")).collect();
     numbers.join(",")
 }

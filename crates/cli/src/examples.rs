@@ -8,7 +8,7 @@ Examples:
   fieldstone eval -e 'x^2 + y^2 + z^2 - 1' < points.txt
   fieldstone check model.hf
 
-Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm), surfaces of SURFER (.jsurf) and formulas
+Scenes (.toml) are described in docs/scenes.md. Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm), surfaces of SURFER (.jsurf) and formulas
 (any other file, or -e; f < 0 inside, z up). `fieldstone COMMAND --help` shows more examples.";
 
 /// `render`.
@@ -30,6 +30,11 @@ Examples:
 
   One object of a file, its first parameter, and a fourth coordinate:
     fieldstone render model.hf -o part.png --object wheel --param a[1]=2 --coord 4=0.5
+
+  A scene of many solids, materials and lights; at a time; and as the pictures of a film, with the numbers in ####:
+    fieldstone render scene.toml -o scene.png
+    fieldstone render scene.toml -o later.png --time 1.5 --size 1280x720
+    fieldstone render scene.toml -o film_####.png --frames 0..47 --fps 24
 
   All layers (depth, normals, certificates) and the statistics of a large picture:
     fieldstone render model.hf -o model.exr --size 1920x1080 --samples 9 --stats stats.json";

@@ -8,7 +8,7 @@ use crate::slice;
 use fieldstone::glam::DVec3;
 use fieldstone::{
     Ball, Bounds, Document, FileAccess, Frames, Loaded, Method, Projection, RenderOptions, RenderRequest,
-    Rendered, Resolved, SceneRequest, Settings, View, Warning, write_beside, write_exr, write_png,
+    Rendered, Resolved, SceneRequest, Settings, View, Warning, write_beside, write_exr, write_png_toned,
 };
 use serde::Serialize;
 use std::io::Write;
@@ -123,9 +123,10 @@ impl Work<'_> {
             }
         }
         let summary = Summary::new(&resolved, &rendered, start);
+        let background = &resolved.scene.lighting().background;
         self.interrupt.writing(|| {
             match self.kind {
-                Kind::Png => write_png(&rendered.film, &resolved.scene.lighting().background, path)?,
+                Kind::Png => write_png_toned(&rendered.film, background, &resolved.scene.settings().tone, path)?,
                 Kind::Exr => write_exr(&rendered.film, path)?,
             }
             if let Some(path) = &arguments.stats {

@@ -63,6 +63,7 @@
 //! ```
 
 mod convert;
+mod data;
 mod document;
 mod endless;
 mod evaluate;
@@ -78,6 +79,10 @@ mod request;
 mod slice;
 
 pub use convert::{ConvertError, convert};
+pub use data::{
+    DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw,
+    load_voxels,
+};
 pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
@@ -113,6 +118,7 @@ pub use fieldstone_scene::{
     SceneError, Settings, Shading, Solid, Surroundings, Texture, Tone, ToneCurve, Tree, Up, View,
     linear_to_srgb, srgb_to_linear,
 };
+pub use fieldstone_solids::{Interpolation, PointCloud, PointError, Reconstruction, VoxelArray, VoxelError};
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,
 };

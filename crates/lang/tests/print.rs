@@ -252,9 +252,11 @@ fn what_a_language_cannot_say_is_an_error_with_the_reason() {
         assert_eq!(error(&loops, syntax), PrintError::Loop(syntax));
     }
     for syntax in [Syntax::Formula, Syntax::Vm] {
-        assert_eq!(error(&noise, syntax), PrintError::Function { name: "hfA_NoiseP", syntax });
         assert_eq!(error(&fifth, syntax), PrintError::Coordinate { number: 5, syntax });
     }
+    let unknown = PrintError::Function { name: "hfA_NoiseP", syntax: Syntax::Vm };
+    assert_eq!(error(&noise, Syntax::Vm), unknown);
+    assert_eq!(print_model(&noise, Syntax::Formula, &[]).unwrap().text, "a1 = 0;\n-noise(x, 0, 0)\n");
     assert!(
         print_model(&noise, Syntax::HyperFun, &[]).is_ok()
             && print_model(&fifth, Syntax::HyperFun, &[]).is_ok()
@@ -276,4 +278,18 @@ fn programs_name_the_operations_that_others_do_not_know() {
     let printed = print_model(&formula("tanh(x) + x^y + x^3 + runion(x, y)"), Syntax::Vm, &[]).unwrap();
     assert_eq!(printed.warnings, ["other programs may not know `pow`, `tanh`: they have no such operation"]);
     assert_eq!(print_model(&formula("x^3 + runion(x, y)"), Syntax::Vm, &[]).unwrap().warnings, [""; 0]);
+}
+
+#[test]
+fn blends_and_patterns_of_formulas_are_written_out() {
+    let text = "union_hyperbolic(x - 1, y - 1, 0.1) + fbm(x, y, z, 2)";
+    let model = formula(text);
+    let formula_text = print_model(&model, Syntax::Formula, &[]).unwrap().text;
+    let hyperfun_text = print_model(&model, Syntax::HyperFun, &[]).unwrap().text;
+    let p = [0.3, 0.8, -0.4];
+    let value = model.field.at(&p, &Bindings::new())[0];
+    for (text, syntax) in [(formula_text, Syntax::Formula), (hyperfun_text, Syntax::HyperFun)] {
+        let again = read(&text, syntax).field.at(&p, &Bindings::new())[0];
+        assert!((again - value).abs() < 1e-14, "{text}");
+    }
 }

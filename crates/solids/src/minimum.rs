@@ -104,7 +104,12 @@ impl Minimum {
 
     /// A call of the minimum with the inputs of a graph.
     pub fn call(self, graph: &mut Graph) -> NodeId {
-        let arguments: Vec<NodeId> = self.arguments.iter().map(|&input| graph.input(input)).collect();
+        self.call_with(graph, Graph::input)
+    }
+
+    /// A call of the minimum; `input` says what stands in the place of each argument.
+    pub fn call_with(self, graph: &mut Graph, input: impl Fn(&mut Graph, Input) -> NodeId) -> NodeId {
+        let arguments: Vec<NodeId> = self.arguments.iter().map(|&argument| input(graph, argument)).collect();
         let function: Arc<dyn Function> = Arc::new(self);
         graph.call(&function, &arguments)
     }

@@ -71,6 +71,17 @@ impl Curve {
         if is_finite { Ok(()) } else { Err(CurveError::NotFinite) }
     }
 
+    /// The point p − c(u), with [`CURVE_PARAMETER`] for u: where a solid that stands at c(u) is asked for its value at p.
+    ///
+    /// # Errors
+    /// Points that make no curve.
+    pub fn moved_back(&self, graph: &mut Graph, point: [NodeId; 3]) -> Result<[NodeId; 3], CurveError> {
+        self.check()?;
+        let u = graph.input(CURVE_PARAMETER);
+        let place = self.at(graph, u);
+        Ok(translate(graph, point, place))
+    }
+
     /// The coordinates of c(u), for the node of u.
     fn at(&self, graph: &mut Graph, u: NodeId) -> [NodeId; 3] {
         if let Self::Program(program, coordinates) = self {
@@ -129,12 +140,9 @@ pub fn sweep(
     output: NodeId,
     curve: &Curve,
 ) -> Result<NodeId, CurveError> {
-    curve.check()?;
     let mut copy = Graph::new();
     let point = [0, 1, 2].map(|k| copy.input(Input::Coordinate(k)));
-    let u = copy.input(CURVE_PARAMETER);
-    let place = curve.at(&mut copy, u);
-    let at = translate(&mut copy, point, place);
+    let at = curve.moved_back(&mut copy, point)?;
     let value = moved(&mut copy, program, &[output], at)[0];
     Ok(Minimum::new(&copy, value, CURVE_PARAMETER, [0.0, 1.0])?.call(graph))
 }

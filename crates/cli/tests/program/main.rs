@@ -11,4 +11,5 @@ mod place;
 mod plot;
 mod render;
 mod robust;
+mod scene;
 mod slice;

@@ -11,6 +11,7 @@ use super::material::MaterialDraft;
 use super::motion::motions;
 use super::number::Numbers;
 use super::operation::SetOperations;
+use super::primitive::PRIMITIVES;
 use super::tree::{EMPTY, Kind, Table, Value};
 use super::{MAX_DEPTH, MAX_SOLIDS};
 use crate::load::{LoadOptions, Loaded};
@@ -54,6 +55,9 @@ pub(super) struct Built {
     pub(super) tree: Tree,
 }
 
+/// The copies of named fields, by the coordinates that they were made for.
+type Fields = HashMap<(String, [NodeId; 3]), NodeId>;
+
 /// The program of an object on its way.
 pub(super) struct Composer<'n, 'd> {
     pub(super) numbers: &'n Numbers<'d>,
@@ -65,7 +69,9 @@ pub(super) struct Composer<'n, 'd> {
     pub(super) ups: (bool, bool),
     /// How the last model that was read wants to be shown.
     pub(super) shown: Option<Presentation>,
-    fields: HashMap<(String, [NodeId; 3]), NodeId>,
+    fields: Fields,
+    /// What w stands for; 0 if nothing.
+    fourth: Option<NodeId>,
     /// Names of the solids and fields that are being composed.
     open: Vec<String>,
     depth: usize,
@@ -83,6 +89,7 @@ impl<'n, 'd> Composer<'n, 'd> {
             ups: (false, false),
             shown,
             fields,
+            fourth: None,
             open,
             depth: 0,
             count: 0,
@@ -93,6 +100,16 @@ impl<'n, 'd> Composer<'n, 'd> {
     pub(super) fn space(&mut self) -> Space {
         let point = [0, 1, 2].map(|k| self.graph.input(Input::Coordinate(k)));
         Space { point, normal: NORMAL_INPUTS.map(|input| self.graph.input(input)) }
+    }
+
+    /// Gives w another meaning; [`restore_fourth`](Self::restore_fourth) takes what this returns.
+    pub(super) fn change_fourth(&mut self, fourth: Option<NodeId>) -> (Fields, Option<NodeId>) {
+        let known = std::mem::take(&mut self.fields);
+        (known, std::mem::replace(&mut self.fourth, fourth))
+    }
+
+    pub(super) fn restore_fourth(&mut self, (fields, fourth): (Fields, Option<NodeId>)) {
+        (self.fields, self.fourth) = (fields, fourth);
     }
 
     /// A solid where one is needed: a name, or a table.
@@ -202,6 +219,7 @@ impl<'n, 'd> Composer<'n, 'd> {
             }
             ("blend", blend) => self.blend(blend, name, space, look),
             ("metamorphosis", table) => self.metamorphosis(table, name, space, look),
+            (key, table) if PRIMITIVES.contains(&key) => self.primitive((key, table), name, space, look),
             (_, formula) => {
                 let names = Names { parameters: true, fields: true, normal: false };
                 let field = self.formula_of(formula, table, (space, names))?;
@@ -436,11 +454,11 @@ impl<'n, 'd> Composer<'n, 'd> {
             };
             known.insert(name, node);
         }
-        let time = self.numbers.time();
+        let (time, fourth) = (self.numbers.time(), self.fourth);
         let field = &read.model.field;
         let nodes = self.graph.import(field.graph(), &[field.value()], |g, input| match input {
             Input::Coordinate(k) if k < 3 => space.point[usize::from(k)],
-            Input::Coordinate(_) => g.constant(0.0),
+            Input::Coordinate(_) => fourth.unwrap_or_else(|| g.constant(0.0)),
             Input::Time => g.constant(time),
             Input::Parameter(_) => match read.parameter(input) {
                 Some(parameter) => match known.get(parameter.name.as_str()) {

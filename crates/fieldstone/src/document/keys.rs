@@ -81,8 +81,21 @@ use Shape::{
 };
 
 /// The keys that say what a solid is; it has exactly one.
-pub(super) const SOURCES: [&str; 8] =
-    ["formula", "file", "union", "intersection", "difference", "complement", "blend", "metamorphosis"];
+pub(super) const SOURCES: [&str; 13] = [
+    "formula",
+    "file",
+    "union",
+    "intersection",
+    "difference",
+    "complement",
+    "blend",
+    "metamorphosis",
+    "voxels",
+    "points",
+    "spline",
+    "sweep",
+    "projection",
+];
 
 /// The keys of a solid that have a meaning where it is an object itself.
 pub(super) const OF_OBJECTS: [&str; 9] =
@@ -149,6 +162,66 @@ pub(super) static METAMORPHOSIS: Section = Section {
     ],
 };
 
+pub(super) static VOXELS: Section = Section {
+    name: "a voxel array",
+    keys: &[
+        key("file", File, "NRRD (.nrrd, .nhdr), or raw numbers, those along x next to one another."),
+        key("size", List(&Whole(2, 1 << 26)), "raw: how many numbers there are along x, y and z."),
+        key("type", Choice(&NUMBER_TYPES), "raw: how a number is written."),
+        key("endian", Choice(&["little", "big"]), "raw: the order of the bytes; default: little."),
+        key("skip", Whole(0, 1 << 29), "raw: bytes before the first number; default: 0."),
+        key("level", Number, "The value at the surface; default: 0."),
+        key("inside", Choice(&["above", "below"]), "Where values are inside; default: above."),
+        key("interpolation", Choice(&["linear", "catmull-rom", "b-spline"]), "Default: linear."),
+        key(
+            "box",
+            Numbers(6),
+            "x0, y0, z0, x1, y1, z1: the outermost numbers; default: -1 to 1 along the longest side.",
+        ),
+    ],
+};
+
+/// How numbers of voxel arrays are written.
+pub(super) const NUMBER_TYPES: [&str; 8] = ["u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"];
+
+pub(super) static POINTS: Section = Section {
+    name: "a solid from points",
+    keys: &[
+        key("file", File, "PLY with normals, or a table of x, y, z, nx, ny, nz."),
+        key("smoothing", Number, "How much noise is evened out, from 0 on; default: 0."),
+        key("offset", Number, "How far from the points its values are set, of their box; default: 0.01."),
+    ],
+};
+
+pub(super) static SPLINE: Section = Section {
+    name: "a spline volume",
+    keys: &[
+        key("controls", List(&Number), "The control values, those along x next to one another."),
+        key("size", List(&Whole(2, 1 << 20)), "How many there are along x, y and z."),
+        key("basis", Choice(&["bezier", "b-spline"]), "One polynomial, or uniform cubics; default: bezier."),
+        key("box", Numbers(6), "x0, y0, z0, x1, y1, z1: where it is; default: -1 to 1."),
+    ],
+};
+
+pub(super) static SWEEP: Section = Section {
+    name: "a sweep",
+    keys: &[
+        key("solid", Solid, "What is moved along the curve, without being turned."),
+        key("polyline", List(&Numbers(3)), "The curve from point to point."),
+        key("bezier", List(&Numbers(3)), "The Bezier curve of 2 to 16 control points."),
+        key("helix", Numbers(3), "Around z: radius, rise of a turn, turns."),
+    ],
+};
+
+pub(super) static PROJECTION: Section = Section {
+    name: "a projection",
+    keys: &[
+        key("solid", Solid, "A solid of x, y, z and w, of which the shadow along w is seen."),
+        key("from", Number, "The least w; default: -1."),
+        key("to", Number, "The largest w; default: 1."),
+    ],
+};
+
 pub(super) static SOLID: Section = Section {
     name: "a solid",
     keys: &[
@@ -160,6 +233,11 @@ pub(super) static SOLID: Section = Section {
         key("complement", Solid, "What does not lie in the solid."),
         key("blend", Table(&BLEND), "Solids that flow into one another."),
         key("metamorphosis", Table(&METAMORPHOSIS), "One solid on its way into another."),
+        key("voxels", Table(&VOXELS), "Numbers on a grid."),
+        key("points", Table(&POINTS), "Scattered points of its surface."),
+        key("spline", Table(&SPLINE), "A free form by control values."),
+        key("sweep", Table(&SWEEP), "A solid that moves along a curve."),
+        key("projection", Table(&PROJECTION), "The shadow of a solid of four dimensions."),
         key("object", Text, "The object of a HyperFun file; default: my_model, or the first."),
         key("dialect", Choice(&["lenient", "strict"]), "What a HyperFun text means; default: lenient."),
         key("parameters", Named(&Number), "The values of parameters; default: those of the file."),

@@ -19,6 +19,7 @@ mod motion;
 mod number;
 mod object;
 mod operation;
+mod primitive;
 mod schema;
 mod tree;
 mod view;

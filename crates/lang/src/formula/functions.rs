@@ -1,4 +1,6 @@
-//! The functions of formulas: one table of names, arguments and meanings.
+//! The functions of formulas: tables of names, arguments and meanings.
+
+mod solids;
 
 use fieldstone_field::{Graph, NodeId};
 use std::fmt;
@@ -18,7 +20,7 @@ const MORE: &str = ", …";
 impl Function {
     /// The function of this name.
     pub(super) fn named(name: &str) -> Option<&'static Self> {
-        TABLE.iter().find(|function| function.names.contains(&name))
+        all().find(|function| function.names.contains(&name))
     }
 
     /// Whether it can be called with this many arguments.
@@ -53,7 +55,11 @@ impl fmt::Debug for Function {
 
 /// The names of all functions.
 pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
-    TABLE.iter().flat_map(|function| function.names).copied()
+    all().flat_map(|function| function.names).copied()
+}
+
+fn all() -> impl Iterator<Item = &'static Function> {
+    TABLE.iter().chain(solids::BLENDS).chain(solids::PATTERNS)
 }
 
 const fn row(

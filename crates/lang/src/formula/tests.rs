@@ -325,3 +325,43 @@ fn a_thousand_parentheses_nest() {
     assert!(parse_formula(&Source::new("formula", "(".repeat(1_000_000))).is_err());
     assert_eq!(value(&format!("{}x{}", "sin(".repeat(1_000), ")".repeat(1_000)), &[0.0]), 0.0);
 }
+
+/// Every function of blends and patterns, with arguments at which it has a known value.
+#[test]
+fn blends_and_patterns_have_the_values_of_their_formulas() {
+    let noise = fieldstone_solids::gradient_noise().value(&[0.3, 0.6, 0.2]);
+    for (text, expected) in [
+        ("union_product(.5, .25, .1)", 0.025),
+        ("inter_product(-.5, -.25, .1)", -0.025),
+        ("sub_product(-.5, .25, .1)", -0.025),
+        ("union_hyperbolic(.3, .3, .04)", 0.1),
+        ("inter_hyperbolic(.3, .3, .04)", 0.5),
+        ("sub_hyperbolic(.3, -.3, .04)", 0.5),
+        ("union_elliptic(.5, .5, 1, 1, 2)", 0.5),
+        ("inter_elliptic(-.5, -.5, 1, 1, 2)", -0.5),
+        ("sub_elliptic(-.5, .5, 1, 1, 2)", -0.5),
+        ("union_pasko(0, 0, .2, 1, 1)", -0.2),
+        ("inter_pasko(0, 0, .2, 1, 1)", -0.2),
+        ("sub_pasko(0, 0, .2, 1, 1)", -0.2),
+        ("union_bounded(0, 0, -1, .2, 1)", -0.2),
+        ("inter_bounded(0, 0, 1, .2, 1)", 0.0),
+        ("sub_bounded(3, -4, -5, 2, 1)", 11.0),
+        ("union_smooth(1, 1, .4)", 0.9),
+        ("inter_smooth(1, 1, .4)", 1.1),
+        ("sub_smooth(1, -1, .4)", 1.1),
+        ("union_cubic(1, 1, .6)", 0.9),
+        ("inter_cubic(1, 1, .6)", 1.1),
+        ("sub_cubic(1, -1, .6)", 1.1),
+        ("sigmoid(1, 9)", 1.0),
+        ("gaussian(1, 1)", (-0.5f64).exp()),
+        ("noise(.3, .6, .2)", noise),
+        ("fbm(.3, .6, .2, 1)", noise),
+        ("turbulence(.3, .6, .2, 1)", noise.abs()),
+        ("marble(.25, 5, 5, 0)", 1.0),
+        ("wood(.3, .4, 7, 0)", 1.0),
+        ("checker(.5, 1.5, -.5)", 0.0),
+    ] {
+        let value = value(&format!("{text} + 0*x"), &[0.0; 3]);
+        assert!((value - expected).abs() < 1e-12, "{text} = {value}");
+    }
+}

@@ -95,6 +95,10 @@ impl Writer<'_, '_> {
             Node::Unary(Unary::Not, a) => Expr::atom(format!("(not {})", operand(a).within(Level::Atom))),
             Node::Unary(op, a) => call(op.name(), &[operand(a)]),
             Node::Binary(op, a, b) => binary(op, operand(a), operand(b)),
+            Node::Call(_, ref arguments) if plan.called(id) == Some(WholeFunction::PerlinNoise) => {
+                let arguments: Vec<&Expr> = arguments.iter().map(|&a| operand(a)).collect();
+                call("noise", &arguments)
+            }
             _ => {
                 let name = plan.called(id).map_or("a function", WholeFunction::name);
                 return Err(PrintError::Function { name, syntax: Syntax::Formula });
