@@ -334,8 +334,8 @@ impl Picture<'_> {
         let filled = |colour: &str| format!("fill=\"{colour}\" fill-opacity=\"0.3\" stroke=\"{colour}\"");
         let outline = format!("fill=\"none\" stroke=\"{AFFINE}\" stroke-dasharray=\"3 3\"");
         let boxes = [
-            (filled(EXCLUDED), "interval: no root"),
-            (filled(REMAINS), "interval: may hold a root"),
+            (filled(EXCLUDED), "interval, root excluded"),
+            (filled(REMAINS), "interval, root possible"),
             (filled(UNDEFINED), "undefined"),
             (filled(AFFINE), "affine form"),
             (outline, "mixed range"),
