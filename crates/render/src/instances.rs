@@ -84,10 +84,9 @@ impl Prepared<'_> {
         let rays: Vec<ObjectRay> = (0..question.rays.len())
             .map(|i| Moved::new(None, question.rays[i], reach(question, answers, i)).ray)
             .collect();
-        let found = object.meetings(asker, &rays, question.sought);
-        for (answer, found) in answers.iter_mut().zip(&found) {
-            answer.take(found, |meeting| Surface::unmoved(instance, object.first_part, meeting));
-        }
+        object.meetings(asker, &rays, question.sought, |ray, found| {
+            answers[ray].take(&found, |meeting| Surface::unmoved(instance, object.first_part, meeting));
+        });
     }
 
     /// The next instances that rays ask, sorted by solid, instance and ray; rays that have none left are dropped.
@@ -130,14 +129,14 @@ impl Prepared<'_> {
             }
         }
         let rays: Vec<ObjectRay> = moved.iter().map(|m| m.ray).collect();
-        let found = object.meetings(asker, &rays, question.sought);
-        for ((visit, moved), found) in visits.iter().zip(&moved).zip(&found) {
+        object.meetings(asker, &rays, question.sought, |i, found| {
+            let (visit, moved) = (&visits[i], &moved[i]);
             let frame = self.moved[visit.instance].then(|| &self.scene.instances()[visit.instance]);
-            answers[visit.ray].take(found, |meeting| {
+            answers[visit.ray].take(&found, |meeting| {
                 let surface = Surface::unmoved(visit.instance, object.first_part, meeting);
                 frame.map_or(surface, |instance| moved.back_to_world(instance, surface))
             });
-        }
+        });
     }
 }
 
@@ -146,10 +145,10 @@ impl Answer {
     fn take(&mut self, found: &Found, surface: impl FnOnce(&Meeting) -> Surface) {
         self.cost += found.cost;
         self.certificate = self.certificate.max(found.certificate);
-        if let Some(surface) = found.meeting.as_ref().map(surface) {
-            if self.surface.as_ref().is_none_or(|known| surface.goes_before(known)) {
-                self.surface = Some(surface);
-            }
+        let goes_before = |s: &Surface| self.surface.as_ref().is_none_or(|known| s.goes_before(known));
+        let nearer = found.meeting.as_ref().map(surface).filter(goes_before);
+        if nearer.is_some() {
+            self.surface = nearer;
         }
     }
 }

@@ -111,8 +111,14 @@ impl<'s> Object<'s> {
         }
     }
 
-    /// The surfaces that rays meet.
-    pub(crate) fn meetings(&self, asker: &mut Asker, rays: &[ObjectRay], sought: Sought) -> Vec<Found> {
+    /// The surfaces that rays meet: `take` is told what each of them finds, in their order.
+    pub(crate) fn meetings(
+        &self,
+        asker: &mut Asker,
+        rays: &[ObjectRay],
+        sought: Sought,
+        mut take: impl FnMut(usize, Found),
+    ) {
         let spans: Vec<Option<RaySpan>> =
             rays.iter().map(|ray| self.solid.ray_span(ray.origin, ray.direction)).collect();
         let to_trace: Vec<Ray> = rays.iter().zip(&spans).map(|(ray, span)| limited(ray, span)).collect();
@@ -130,14 +136,12 @@ impl<'s> Object<'s> {
         };
         asker.evaluations += asker.tracer.shared_cost() - shared;
         asker.evaluations += outcomes.iter().map(|o| u64::from(o.cost)).sum::<u64>();
-        let found = outcomes.iter().zip(rays.iter().zip(&to_trace)).zip(&spans);
-        found
-            .map(|((outcome, (ray, traced)), span)| {
-                // Only what the ray enters from outside of the bounds begins on a cap.
-                let entered = span.as_ref().filter(|span| span.enter > ray.start);
-                self.found(outcome, traced, (entered, span.as_ref()))
-            })
-            .collect()
+        for (i, outcome) in outcomes.iter().enumerate() {
+            let span = spans[i].as_ref();
+            // Only what the ray enters from outside of the bounds begins on a cap.
+            let entered = span.filter(|span| span.enter > rays[i].start);
+            take(i, self.found(outcome, &to_trace[i], (entered, span)));
+        }
     }
 
     /// The outcome as a surface, caps included; `spans`: within the bounds, if the ray comes from outside of them, and
