@@ -73,6 +73,7 @@ mod inputs;
 mod load;
 mod measure;
 mod output;
+mod picture;
 mod plot;
 mod presentation;
 mod request;
@@ -93,6 +94,7 @@ pub use measure::{MeasureError, MeasureRequest, Measured};
 pub use output::{
     OutputError, check_writable, write_beside, write_exr, write_png, write_png_toned, write_rgb,
 };
+pub use picture::{PictureFileError, read_picture};
 pub use plot::{
     AffineForm, FirstHit, PictureError, PlotError, PlotRequest, PlottedSpan, RayChoice, RayPlot, Root,
     SpanChoice, Verdict,

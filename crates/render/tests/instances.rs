@@ -92,7 +92,7 @@ fn camera(eye: DVec3, target: DVec3) -> Camera {
 fn sunlit() -> Lighting {
     let sun = Light::directional(DVec3::new(0.3, -0.5, 1.0), DVec3::ONE).expect("the light is sound");
     let background = Background::plain(DVec3::ZERO);
-    Lighting { lights: vec![sun], ambient: DVec3::splat(0.1), background, environment: None }
+    Lighting { lights: vec![sun], ambient: DVec3::splat(0.1), background, ..Lighting::default() }
 }
 
 fn settings() -> Settings {

@@ -43,7 +43,8 @@ pub struct Appearance {
     pub reflection: f64,
     /// Blinn-Phong: whether the mirrored part grows towards grazing angles (Schlick 1994).
     pub fresnel: bool,
-    /// The part of what is not mirrored that goes through and is refracted, from 0 to 1 (glass).
+    /// The part of what is not mirrored that goes through and is refracted, from 0 to 1 (glass). At each surface the light
+    /// takes on the square root of `colour`, so that a body, which has two, colours it once. Lamps shine straight through.
     pub transmission: f64,
     /// The refractive index inside relative to outside, from 1 on.
     pub index: f64,
