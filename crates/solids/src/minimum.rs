@@ -17,7 +17,7 @@ const FIRST_CELLS: usize = 32;
 /// A search with more open cells than this ends.
 const MOST_CELLS: usize = 256;
 /// The rounds of a search at a point, and in a box.
-const ROUNDS: [usize; 2] = [14, 3];
+const ROUNDS: [usize; 2] = [14, 2];
 /// What a minimum may be above the exact one, relative to its size or 1.
 const TOLERANCE: f64 = 1e-13;
 
