@@ -128,7 +128,8 @@ impl Minimum {
             self.bound_above(scratch, boxes, &open, round == 0, &mut found);
             let enough = found.ceiling - TOLERANCE * found.ceiling.abs().max(1.0);
             open.retain(|cell| {
-                let is_open = !(cell.floor >= enough);
+                // What may be undefined stays open, and everything as long as there is no value.
+                let is_open = cell.floor < enough || cell.floor.is_nan() || enough.is_nan();
                 if !is_open {
                     found.floor = found.floor.min(cell.floor);
                 }

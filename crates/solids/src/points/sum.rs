@@ -99,8 +99,8 @@ impl Sum {
     fn plane_at(&self, p: [f64; 3]) -> Accurate {
         let mut sum = Accurate::default();
         sum.add(self.constant);
-        for k in 0..3 {
-            sum.add(self.linear[k] * (p[k] - self.origin[k]));
+        for (b, (x, o)) in self.linear.iter().zip(p.iter().zip(&self.origin)) {
+            sum.add(b * (x - o));
         }
         sum
     }
@@ -108,8 +108,8 @@ impl Sum {
     /// All that is known about the sum near a point, found in one pass over the centres.
     pub(super) fn study(&self, p: [f64; 3], distance: f64) -> Study {
         let (mut value, mut gradient) = (self.plane_at(p), [Accurate::default(); 3]);
-        for k in 0..3 {
-            gradient[k].add(self.linear[k]);
+        for (sum, b) in gradient.iter_mut().zip(self.linear) {
+            sum.add(b);
         }
         let (mut matrix, mut size, mut total) = ([0.0f64; 6], 0.0, 0.0);
         self.near(p, self.kernel.reach() + distance, |i| {
@@ -121,8 +121,8 @@ impl Sum {
             total += weight.abs();
             value.add(weight * self.kernel.value(r));
             let (slope, bend) = (weight * self.kernel.slope(r), weight * self.kernel.bend(r));
-            for k in 0..3 {
-                gradient[k].add(slope * d[k]);
+            for (sum, d) in gradient.iter_mut().zip(d) {
+                sum.add(slope * d);
             }
             size += slope.abs() + bend.abs();
             let n = if r > 0.0 { d.map(|x| x / r) } else { [0.0; 3] };
