@@ -6,6 +6,9 @@
 
 use fieldstone_field::Interval;
 
+/// The most coefficients along an axis.
+pub(crate) const MAX_COUNT: usize = 16;
+
 /// A polynomial of three variables over the unit cube.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
@@ -30,17 +33,17 @@ impl Patch {
     /// Changes each row along an axis.
     pub(crate) fn map_rows(&mut self, axis: usize, mut change: impl FnMut(&mut [f64])) {
         let (stride, count) = (self.stride(axis), self.counts[axis]);
-        let mut row = vec![0.0; count];
-        for start in 0..self.coefficients.len() {
-            if start / stride % count != 0 {
-                continue;
-            }
-            for (i, value) in row.iter_mut().enumerate() {
-                *value = self.coefficients[start + i * stride];
-            }
-            change(&mut row);
-            for (i, value) in row.iter().enumerate() {
-                self.coefficients[start + i * stride] = *value;
+        let mut row = [0.0; MAX_COUNT];
+        let row = &mut row[..count];
+        for block in self.coefficients.chunks_mut(stride * count) {
+            for start in 0..stride {
+                for (i, value) in row.iter_mut().enumerate() {
+                    *value = block[start + i * stride];
+                }
+                change(row);
+                for (i, value) in row.iter().enumerate() {
+                    block[start + i * stride] = *value;
+                }
             }
         }
     }
@@ -70,19 +73,24 @@ impl Patch {
             return Self::new(counts, vec![0.0; self.coefficients.len()]);
         }
         let degree = (count - 1) as f64;
-        let coefficients = (0..self.coefficients.len())
-            .filter(|i| i / stride % count + 1 < count)
-            .map(|i| degree * (self.coefficients[i + stride] - self.coefficients[i]))
-            .collect();
+        let mut coefficients = Vec::with_capacity(self.coefficients.len());
+        for block in self.coefficients.chunks(stride * count) {
+            coefficients.extend(block[stride..].iter().zip(block).map(|(next, this)| degree * (next - this)));
+        }
         Self::new(counts, coefficients)
     }
 
     /// The value at a point of the cube.
     pub(crate) fn value(&self, at: [f64; 3]) -> f64 {
         let mut values = self.coefficients.clone();
+        let mut rest = values.len();
         for (axis, &t) in at.iter().enumerate() {
             let count = self.counts[axis];
-            values = values.chunks_mut(count).map(|row| blend_row(row, t)).collect();
+            for i in 0..rest / count {
+                let value = blend_row(&mut values[i * count..(i + 1) * count], t);
+                values[i] = value;
+            }
+            rest /= count;
         }
         values[0]
     }
@@ -92,13 +100,13 @@ impl Patch {
         [0, 1, 2].map(|axis| self.derivative(axis).value(at))
     }
 
-    /// A bound of the norm of the second derivatives in a part of the cube, whose sides are 1/`scale` units long.
-    pub(crate) fn bend(&self, part: [Interval<f64>; 3], scale: [f64; 3]) -> f64 {
+    /// A bound of the norm of the second derivatives, where the sides of the cube are 1/`scale` units long.
+    pub(crate) fn bend(&self, scale: [f64; 3]) -> f64 {
         let mut squares = 0.0;
         for a in 0..3 {
             let first = self.derivative(a);
             for b in a..3 {
-                let range = first.derivative(b).restricted(part).hull();
+                let range = first.derivative(b).hull();
                 let size = range.lo.abs().max(range.hi.abs()) * scale[a] * scale[b];
                 squares += if a == b { size * size } else { 2.0 * size * size };
             }

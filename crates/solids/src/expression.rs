@@ -106,7 +106,7 @@ impl<'g> Expr<'g> {
     }
 
     unary_methods!(abs Abs, sqrt Sqrt, square Square, exp Exp, sin Sin, cos Cos, tan Tan, atan Atan);
-    unary_methods!(floor Floor, trunc Trunc, tanh Tanh, not Not);
+    unary_methods!(floor Floor, trunc Trunc, tanh Tanh);
     binary_methods!(min Min, max Max, rmin RMin, rmax RMax, pow Pow, modulo Modulo, lt Lt, le Le, eq Eq, atan2 Atan2);
 
     /// The whole power selfⁿ.

@@ -17,7 +17,7 @@ const FIRST_CELLS: usize = 32;
 /// A search with more open cells than this ends.
 const MOST_CELLS: usize = 256;
 /// The rounds of a search at a point, and in a box.
-const ROUNDS: [usize; 2] = [14, 3];
+const ROUNDS: [usize; 2] = [14, 2];
 /// What a minimum may be above the exact one, relative to its size or 1.
 const TOLERANCE: f64 = 1e-13;
 
@@ -128,7 +128,8 @@ impl Minimum {
             self.bound_above(scratch, boxes, &open, round == 0, &mut found);
             let enough = found.ceiling - TOLERANCE * found.ceiling.abs().max(1.0);
             open.retain(|cell| {
-                let is_open = !(cell.floor >= enough);
+                // What may be undefined stays open, and everything as long as there is no value.
+                let is_open = cell.floor < enough || cell.floor.is_nan() || enough.is_nan();
                 if !is_open {
                     found.floor = found.floor.min(cell.floor);
                 }

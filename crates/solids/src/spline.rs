@@ -5,7 +5,7 @@ use crate::voxels::b_spline;
 use fieldstone_field::{Function, Interval};
 
 /// No Bézier volume has more control values along an axis.
-const MAX_BEZIER: usize = 16;
+const MAX_BEZIER: usize = crate::bernstein::MAX_COUNT;
 /// No volume has more control values in all.
 const MAX_CONTROLS: usize = 1 << 20;
 /// A box over more pieces than this is bounded by the control values alone.
@@ -169,6 +169,10 @@ impl Function for SplineVolume {
         if arguments.len() != 3 || arguments.iter().any(|a| a.lo.is_nan() || a.hi.is_nan()) {
             return Interval::undefined();
         }
+        if arguments.iter().all(|a| a.lo == a.hi) {
+            let value = self.value(&[arguments[0].lo, arguments[1].lo, arguments[2].lo]);
+            return Interval::new(value - self.slack, value + self.slack);
+        }
         let join = |a: Interval<f64>, b: Interval<f64>| Interval::new(a.lo.min(b.lo), a.hi.max(b.hi));
         let parts = self.parts(arguments).into_iter().flatten();
         let hulls = parts.map(|(patch, part)| patch.restricted(part).hull());
@@ -182,7 +186,7 @@ impl Function for SplineVolume {
         }
         let Some(parts) = self.parts(arguments) else { return f64::INFINITY };
         let scale = [0, 1, 2].map(|k| self.pieces(k) as f64 / self.size[k]);
-        parts.into_iter().map(|(patch, part)| patch.bend(part, scale)).fold(0.0, f64::max) + self.slack
+        parts.into_iter().map(|(patch, _)| patch.bend(scale)).fold(0.0, f64::max) + self.slack
     }
 
     fn is_black_box(&self) -> bool {

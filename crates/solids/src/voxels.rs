@@ -268,6 +268,10 @@ impl Function for VoxelArray {
         if arguments.len() != 3 || arguments.iter().any(|a| a.lo.is_nan() || a.hi.is_nan()) {
             return Interval::undefined();
         }
+        if arguments.iter().all(|a| a.lo == a.hi) {
+            let value = self.value(&[arguments[0].lo, arguments[1].lo, arguments[2].lo]);
+            return Interval::new(value - self.slack, value + self.slack);
+        }
         let range = match self.parts(arguments) {
             Some(parts) => {
                 let hulls = parts.into_iter().map(|(patch, part)| patch.restricted(part).hull());
@@ -289,7 +293,7 @@ impl Function for VoxelArray {
             return f64::INFINITY;
         }
         let scale = self.steps.map(|s| 1.0 / s);
-        let bends = self.parts(arguments).into_iter().flatten().map(|(patch, part)| patch.bend(part, scale));
+        let bends = self.parts(arguments).into_iter().flatten().map(|(patch, _)| patch.bend(scale));
         bends.fold(0.0, f64::max) + self.slack
     }
 

@@ -32,7 +32,7 @@ pub(super) fn dense(places: &[[f64; 3]], values: &[f64], smoothing: f64) -> Opti
     let right = DVector::from_fn(count + 4, |i, _| values.get(i).copied().unwrap_or(0.0));
     let solution = matrix.clone().lu().solve(&right)?;
     let error = (&matrix * &solution - &right).amax();
-    if !(error <= 1e-6 * right.amax()) {
+    if error.is_nan() || error > 1e-6 * right.amax() {
         return None;
     }
     let weights = solution.iter().take(count).map(|w| w / size.powi(3)).collect();

@@ -1,7 +1,6 @@
 //! Weighted sums of radial functions.
 
 use super::kernel::Kernel;
-use fieldstone_field::Interval;
 use std::collections::HashMap;
 
 /// Boxes that meet more cells than this look at all centres.
@@ -87,41 +86,31 @@ impl Sum {
         (d, (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt())
     }
 
-    /// The value at a point and a bound of its rounding error.
-    fn value_with_error(&self, p: [f64; 3]) -> (f64, f64) {
-        let mut sum = Accurate::default();
-        sum.add(self.constant);
-        for k in 0..3 {
-            sum.add(self.linear[k] * (p[k] - self.origin[k]));
-        }
+    /// The value at a point.
+    pub(super) fn value(&self, p: [f64; 3]) -> f64 {
+        let mut sum = self.plane_at(p);
         self.near(p, self.kernel.reach(), |i| {
             let (_, r) = self.offset(i, p);
             sum.add(self.weights[i] * self.kernel.value(r));
         });
-        (sum.total(), 16.0 * f64::EPSILON * sum.size + f64::MIN_POSITIVE)
+        sum.total()
     }
 
-    pub(super) fn value(&self, p: [f64; 3]) -> f64 {
-        self.value_with_error(p).0
-    }
-
-    pub(super) fn gradient(&self, p: [f64; 3]) -> [f64; 3] {
-        let mut sums = [Accurate::default(); 3];
-        for k in 0..3 {
-            sums[k].add(self.linear[k]);
+    fn plane_at(&self, p: [f64; 3]) -> Accurate {
+        let mut sum = Accurate::default();
+        sum.add(self.constant);
+        for (b, (x, o)) in self.linear.iter().zip(p.iter().zip(&self.origin)) {
+            sum.add(b * (x - o));
         }
-        self.near(p, self.kernel.reach(), |i| {
-            let (d, r) = self.offset(i, p);
-            let slope = self.weights[i] * self.kernel.slope(r);
-            for k in 0..3 {
-                sums[k].add(slope * d[k]);
-            }
-        });
-        sums.map(Accurate::total)
+        sum
     }
 
-    /// The norm of the second derivatives at a point, rounding included, and how fast they may change within `distance`.
-    fn bend_and_twist(&self, p: [f64; 3], distance: f64) -> (f64, f64) {
+    /// All that is known about the sum near a point, found in one pass over the centres.
+    pub(super) fn study(&self, p: [f64; 3], distance: f64) -> Study {
+        let (mut value, mut gradient) = (self.plane_at(p), [Accurate::default(); 3]);
+        for (sum, b) in gradient.iter_mut().zip(self.linear) {
+            sum.add(b);
+        }
         let (mut matrix, mut size, mut total) = ([0.0f64; 6], 0.0, 0.0);
         self.near(p, self.kernel.reach() + distance, |i| {
             let (d, r) = self.offset(i, p);
@@ -130,7 +119,11 @@ impl Sum {
             }
             let weight = self.weights[i];
             total += weight.abs();
+            value.add(weight * self.kernel.value(r));
             let (slope, bend) = (weight * self.kernel.slope(r), weight * self.kernel.bend(r));
+            for (sum, d) in gradient.iter_mut().zip(d) {
+                sum.add(slope * d);
+            }
             size += slope.abs() + bend.abs();
             let n = if r > 0.0 { d.map(|x| x / r) } else { [0.0; 3] };
             for (entry, (a, b)) in matrix.iter_mut().zip([(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]) {
@@ -139,40 +132,13 @@ impl Sum {
         });
         let [a, b, c, d, e, f] = matrix.map(|x| x * x);
         let count = self.centres.len() as f64;
-        ((a + b + c + 2.0 * (d + e + f)).sqrt() + count * f64::EPSILON * size, total * self.kernel.twist())
-    }
-
-    /// A bound of the second derivatives in a box: that of its middle, and what they change on the way to a corner.
-    pub(super) fn curvature(&self, sides: [Interval<f64>; 3]) -> f64 {
-        let (middle, _, reach) = middle_and_reach(sides);
-        let (bend, twist) = self.bend_and_twist(middle, reach);
-        (bend + twist * reach) * (1.0 + 1e-12)
-    }
-
-    /// Bounds of the values in a box: the Taylor series of second order about its middle with its remainder, and, where
-    /// the functions are bounded, the sums of the weights of either sign.
-    pub(super) fn interval(&self, sides: [Interval<f64>; 3]) -> Interval<f64> {
-        let (middle, reaches, reach) = middle_and_reach(sides);
-        let (value, error) = self.value_with_error(middle);
-        if reach == 0.0 {
-            return Interval::new(value - error, value + error);
+        Study {
+            value: value.total(),
+            error: 16.0 * f64::EPSILON * value.size + f64::MIN_POSITIVE,
+            gradient: gradient.map(Accurate::total),
+            bend: (a + b + c + 2.0 * (d + e + f)).sqrt() + count * f64::EPSILON * size,
+            twist: total * self.kernel.twist(),
         }
-        let gradient = self.gradient(middle);
-        let (bend, twist) = self.bend_and_twist(middle, reach);
-        let first: f64 = (0..3).map(|k| gradient[k].abs() * reaches[k]).sum();
-        let rest = (0.5 * bend + twist * reach / 6.0) * reach * reach;
-        let spread = (first + rest) * (1.0 + 1e-9) + 2.0 * error;
-        let taylor = Interval::new(value - spread, value + spread);
-        if !self.kernel.reach().is_finite() {
-            return taylor;
-        }
-        let (mut low, mut high) = (0.0, 0.0);
-        self.near(middle, self.kernel.reach() + reach, |i| {
-            let weight = self.weights[i];
-            *(if weight < 0.0 { &mut low } else { &mut high }) += weight;
-        });
-        let slack = 1e-9 * (high - low);
-        Interval::new(taylor.lo.max(low - slack), taylor.hi.min(high + slack))
     }
 }
 
@@ -180,10 +146,28 @@ fn cell(x: f64, side: f64) -> i64 {
     (x / side).floor() as i64
 }
 
-/// The middle of a box, how far its sides lie from it, and how far its corners do.
-fn middle_and_reach(sides: [Interval<f64>; 3]) -> ([f64; 3], [f64; 3], f64) {
-    let middle = sides.map(|s| (0.5 * s.lo + 0.5 * s.hi).clamp(s.lo, s.hi));
-    let reaches = [0, 1, 2].map(|k| (sides[k].hi - middle[k]).max(middle[k] - sides[k].lo));
-    let reach = reaches.iter().map(|r| r * r).sum::<f64>().sqrt() * (1.0 + 1e-12);
-    (middle, reaches, reach)
+/// A sum near a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Study {
+    pub(super) value: f64,
+    /// A bound of the rounding error of the value.
+    pub(super) error: f64,
+    pub(super) gradient: [f64; 3],
+    /// The norm of the second derivatives, rounding included.
+    pub(super) bend: f64,
+    /// How fast the second derivatives may change within the distance.
+    pub(super) twist: f64,
+}
+
+impl Study {
+    pub(super) fn and(self, other: Self) -> Self {
+        let value = self.value + other.value;
+        Self {
+            value,
+            error: self.error + other.error + f64::EPSILON * value.abs(),
+            gradient: [0, 1, 2].map(|k| self.gradient[k] + other.gradient[k]),
+            bend: self.bend + other.bend,
+            twist: self.twist + other.twist,
+        }
+    }
 }
