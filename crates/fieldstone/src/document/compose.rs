@@ -484,13 +484,18 @@ impl<'n, 'd> Composer<'n, 'd> {
         let Some(entry) = document.field(name) else {
             return Err(used_at.error(format!("there is no field `{name}`"), "unknown").into());
         };
-        if self.open.iter().any(|open| open == name) || self.open.len() >= MAX_DEPTH {
-            let path = format!("{} → {name}", self.open.join(" → "));
-            return Err(used_at
-                .error(format!("the field `{name}` depends on itself: {path}"), "a circle")
-                .into());
+        // A solid may have the name of a field.
+        let called = format!("field {name}");
+        if self.open.contains(&called) {
+            let path = format!("{} → {called}", self.open.join(" → "));
+            let message = format!("the field `{name}` depends on itself: {path}");
+            return Err(used_at.error(message, "a circle").into());
         }
-        self.open.push(name.to_owned());
+        if self.open.len() >= MAX_DEPTH {
+            let message = format!("fields depend on more than {MAX_DEPTH} others");
+            return Err(used_at.error(message, "too deep").into());
+        }
+        self.open.push(called);
         let node = self.formula(&entry.value, space, Names { parameters: true, fields: true, normal: false });
         self.open.pop();
         let node = node?;
