@@ -48,7 +48,8 @@ fn second_dimension(mut index: u32) -> u32 {
 
 /// Point `index` of the sequence that belongs to a seed, in the half-open unit square.
 pub(crate) fn point(index: u32, seed: u32) -> (f64, f64) {
-    let index = scramble(index, seed);
+    // Scrambling wants seeds whose bits are all random.
+    let index = scramble(index, derive(seed, 0));
     let unit = |x: u32| f64::from(x) / (1u64 << 32) as f64;
     let (x, y) = (index.reverse_bits(), second_dimension(index));
     (unit(scramble(x, derive(seed, 1))), unit(scramble(y, derive(seed, 2))))
