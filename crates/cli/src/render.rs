@@ -126,7 +126,9 @@ impl Work<'_> {
         let background = &resolved.scene.lighting().background;
         self.interrupt.writing(|| {
             match self.kind {
-                Kind::Png => write_png_toned(&rendered.film, background, &resolved.scene.settings().tone, path)?,
+                Kind::Png => {
+                    write_png_toned(&rendered.film, background, &resolved.scene.settings().tone, path)?
+                }
                 Kind::Exr => write_exr(&rendered.film, path)?,
             }
             if let Some(path) = &arguments.stats {

@@ -18,7 +18,7 @@ use crate::load::{LoadOptions, Loaded};
 use fieldstone_field::{Graph, Input, NodeId};
 use fieldstone_lang::{Diagnostic, Dialect, Presentation, UpAxis};
 use fieldstone_scene::{NORMAL_INPUTS, Tree};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
 /// The coordinates of a solid's own space, and the outward normal in it.
@@ -128,7 +128,7 @@ impl<'n, 'd> Composer<'n, 'd> {
 
     fn named(&mut self, value: &'d Value, space: &Space, look: Look<'d>) -> Outcome<Built> {
         let entry = self.numbers.document().named("solids", value)?;
-        if self.open.iter().any(|open| *open == entry.key) {
+        if self.open.contains(&entry.key) {
             let path = format!("{} → {}", self.open.join(" → "), entry.key);
             return Err(value
                 .error(format!("the solid `{}` is part of itself: {path}", entry.key), "a circle")
@@ -484,13 +484,18 @@ impl<'n, 'd> Composer<'n, 'd> {
         let Some(entry) = document.field(name) else {
             return Err(used_at.error(format!("there is no field `{name}`"), "unknown").into());
         };
-        if self.open.iter().any(|open| open == name) || self.open.len() >= MAX_DEPTH {
-            let path = format!("{} → {name}", self.open.join(" → "));
-            return Err(used_at
-                .error(format!("the field `{name}` depends on itself: {path}"), "a circle")
-                .into());
+        // A solid may have the name of a field.
+        let called = format!("field {name}");
+        if self.open.contains(&called) {
+            let path = format!("{} → {called}", self.open.join(" → "));
+            let message = format!("the field `{name}` depends on itself: {path}");
+            return Err(used_at.error(message, "a circle").into());
         }
-        self.open.push(name.to_owned());
+        if self.open.len() >= MAX_DEPTH {
+            let message = format!("fields depend on more than {MAX_DEPTH} others");
+            return Err(used_at.error(message, "too deep").into());
+        }
+        self.open.push(called);
         let node = self.formula(&entry.value, space, Names { parameters: true, fields: true, normal: false });
         self.open.pop();
         let node = node?;
@@ -501,11 +506,11 @@ impl<'n, 'd> Composer<'n, 'd> {
     /// The space of a solid that is moved.
     pub(super) fn moved(&mut self, space: &Space, outer_from_inner: &DAffine3) -> Space {
         let inner_from_outer = outer_from_inner.inverse();
-        let rows = DMat3::from(inner_from_outer.matrix3).transpose();
+        let rows = inner_from_outer.matrix3.transpose();
         let shift = inner_from_outer.translation.to_array();
         let point = std::array::from_fn(|k| self.linear(space.point, rows.col(k), shift[k]));
         // Normals go the other way by the transpose of the map.
-        let columns = DMat3::from(outer_from_inner.matrix3);
+        let columns = outer_from_inner.matrix3;
         let turned: [NodeId; 3] = std::array::from_fn(|k| self.linear(space.normal, columns.col(k), 0.0));
         let squares = turned.map(|n| self.graph.square(n));
         let sum = squares[1..].iter().fold(squares[0], |sum, s| self.graph.add(sum, *s));

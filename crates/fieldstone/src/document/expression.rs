@@ -54,7 +54,8 @@ pub(super) fn read(document: &Document, value: &Value, text: &str, names: Names)
     let source = Source::new("formula", prelude + text);
     let place = |span: &std::ops::Range<usize>| {
         let part = span.start.saturating_sub(shift)..span.end.saturating_sub(shift);
-        place_in_text(&document.source().text, &value.span, text, part)
+        // A part of the text at `value` keeps its place by blanks before it.
+        place_in_text(&document.source().text, &value.span, value.text().unwrap_or(text), part)
     };
     match parse_formula(&source) {
         Ok(model) => Ok(Expression { model, names: used }),

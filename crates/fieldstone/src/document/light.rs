@@ -145,7 +145,7 @@ fn environment(numbers: &Numbers<'_>, value: &Value, camera: &Camera) -> Outcome
     let up =
         table.get("up").map(|up| numbers.numbers::<3>(up)).transpose()?.map_or(upright(camera), DVec3::from);
     let made = Environment::new(surroundings)
-        .and_then(|made| Ok(made.with_visible(table.get("visible").and_then(Value::flag).unwrap_or(true))))
+        .map(|made| made.with_visible(table.get("visible").and_then(Value::flag).unwrap_or(true)))
         .map_err(failed)?;
     let made = made.with_strength(number("strength", 1.0)?).map_err(failed)?;
     let made = made.rotated(up, number("rotation", 0.0)?.to_radians()).map_err(failed)?;

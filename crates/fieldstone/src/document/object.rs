@@ -314,7 +314,8 @@ fn collect_names<'d>(solid: &'d Value, names: &mut Vec<&'d str>) {
     let Some(table) = solid.table() else { return };
     for entry in &table.entries {
         match entry.key.as_str() {
-            "union" | "intersection" | "difference" | "complement" | "from" | "to" | "solids" | "solid" | "within" => {
+            "union" | "intersection" | "difference" | "complement" | "from" | "to" | "solids" | "solid"
+            | "within" => {
                 for operand in entry.value.one_or_many() {
                     names.extend(operand.text());
                     collect_names(operand, names);

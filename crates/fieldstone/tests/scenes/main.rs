@@ -1,4 +1,5 @@
 //! Scene files: what they mean, and what is said of those that mean nothing.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
 mod access;
 mod errors;

@@ -96,3 +96,21 @@ fn scenes_satisfy_the_schema() {
         assert!(document(wrong).is_err(), "{wrong}");
     }
 }
+
+#[test]
+fn the_scenes_of_the_gallery_are_scenes() {
+    let validator = jsonschema::validator_for(&fieldstone::scene_schema()).unwrap();
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/scenes");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(validator.is_valid(&json(&text)), "{}", path.display());
+            let document = fieldstone::Document::load(&path, &fieldstone::FileAccess::default()).unwrap();
+            assert_eq!(document.resolve(&fieldstone::SceneRequest::default()).unwrap().messages, [""; 0]);
+            count += 1;
+        }
+    }
+    assert!(count >= 3);
+}

@@ -32,7 +32,7 @@ const SHAPES: &str = "
 ";
 
 fn composed(solid: &str) -> Scene {
-    resolve(&format!("{SHAPES}[solids.d]\n{solid}")).resolved.scene
+    resolve(&format!("{SHAPES}[solids.d]\n{solid}\n[[objects]]\nsolid = \"d\"")).resolved.scene
 }
 
 #[test]
@@ -139,7 +139,8 @@ fn materials_mix_across_joints() {
             "{SHAPES}[solids.d]\nmetamorphosis = {{ from = {{ formula = \"x\", material = \"red\" }},
             to = {{ formula = \"y\", material = \"blue\" }}, share = {share} }}
             bounds = [-1, -1, -1, 1, 1, 1]
-            [materials]\nred = {{ colour = \"red\" }}\nblue = {{ colour = \"blue\" }}"
+            [materials]\nred = {{ colour = \"red\" }}\nblue = {{ colour = \"blue\" }}
+            [[objects]]\nsolid = \"d\""
         );
         resolve(&text).resolved.scene
     };
@@ -225,4 +226,22 @@ fn a_scene_and_the_same_formula_have_the_same_picture() {
     let found = depth(&picture(&scene, 1.0));
     assert_eq!(found, depth(&picture(&formula(1.3), 0.0)));
     assert_ne!(found, depth(&picture(&formula(1.2), 0.0)));
+}
+
+#[test]
+fn solids_and_fields_may_have_one_name() {
+    let text = "[fields]\na = \"x^2 + y^2 + z^2 - 1\"\n[solids]\na = \"a\"\n[solids.b]\nunion = [\"a\"]";
+    assert_eq!(resolve(text).objects, ["b"]);
+}
+
+#[test]
+fn sweeps_and_projections_are_unions() {
+    let sweep = "[solids.a]\nsweep = { solid = { formula = \"length(x, y, z) - 0.5\" }, polyline = [[0, 0, 0], [2, 0, 0]] }";
+    let scene = resolve(sweep).resolved.scene;
+    for (point, expected) in [([1.0, 0.5, 0.0], 0.0), ([3.0, 0.0, 0.0], 0.5), ([1.3, 0.0, 2.0], 1.5)] {
+        assert!((value(&scene, 0, point) - expected).abs() < 1e-6, "{point:?}");
+    }
+    let shadow = "[solids.a]\nprojection = { solid = { formula = \"x^2 + y^2 + z^2 + (w - x)^2 - 1\" } }";
+    let scene = resolve(shadow).resolved.scene;
+    assert!((value(&scene, 0, [0.6, 0.0, 0.0]) + 0.64).abs() < 1e-6);
 }
