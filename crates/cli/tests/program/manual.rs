@@ -2,7 +2,8 @@
 
 use crate::place::Place;
 
-const COMMANDS: [&str; 8] = ["render", "eval", "check", "measure", "plot", "convert", "completions", "man"];
+const COMMANDS: [&str; 9] =
+    ["render", "eval", "check", "measure", "plot", "convert", "schema", "completions", "man"];
 
 #[test]
 fn the_help_of_every_command_teaches_by_examples() {

@@ -4,6 +4,7 @@ use super::fault::{Fault, Outcome};
 use super::number::Numbers;
 use super::tree::{EMPTY, Table, Value};
 use super::view;
+use crate::picture::read_picture;
 use fieldstone_scene::{
     Background, Camera, Environment, EnvironmentError, Face, Light, LightError, Lighting, Rgb, Surroundings,
 };
@@ -193,5 +194,6 @@ fn face(numbers: &Numbers<'_>, value: &Value) -> Outcome<Face> {
 /// A picture that a scene names.
 fn picture(numbers: &Numbers<'_>, value: &Value) -> Outcome<Arc<fieldstone_scene::Image>> {
     let place = numbers.document().files.place(value)?;
-    Err(value.error(format!("{}: pictures cannot be read yet", place.display()), "here").into())
+    let read = read_picture(&place);
+    read.map(Arc::new).map_err(|error| value.error(error.to_string(), "this file").into())
 }
