@@ -194,6 +194,7 @@ mod tests {
             "README.md",
             "gallery/README.md",
             "docs/commands.md",
+            "docs/gallery.md",
             "docs/hyperfun.md",
             "docs/hyperfun/tutorial.md",
         ];

@@ -6,13 +6,26 @@ use std::path::{Path, PathBuf};
 
 /// Each model, a point inside and a point outside: in a hole or a notch, where it has one. Of a surface, points on either
 /// side.
-const MODELS: [(&str, [f64; 3], [f64; 3]); 24] = [
+const MODELS: [(&str, [f64; 3], [f64; 3]); 37] = [
     ("colours.hf", [0.0, 0.0, 0.0], [2.0, 1.7, 0.0]),
     ("fractal.hf", [0.0, 0.0, 0.0], [1.2, 1.2, 1.2]),
     ("jsurf/barth.jsurf", [0.0, 0.0, 0.0], [0.9, 0.0, 0.3]),
     ("jsurf/cayley.jsurf", [0.9, 0.0, 0.0], [1.1, 0.0, 0.0]),
     ("jug.hf", [4.6, 0.4, 0.0], [0.0, 0.0, 0.0]),
     ("noise.hf", [4.5, 0.0, 0.0], [0.0, 0.0, 2.5]),
+    ("scenes/frep/bulb.hf", [0.0, 0.0, 0.0], [1.3, 1.0, 0.0]),
+    ("scenes/frep/cup.hf", [0.0, 0.4, 0.0], [0.0, 3.0, 0.0]),
+    ("scenes/frep/julia.hf", [0.0, 0.0, 0.0], [1.4, 1.4, 0.0]),
+    ("scenes/frep/metamorphosis.hf", [0.0, 2.4, 0.0], [4.3, 1.0, 0.0]),
+    ("scenes/frep/noise.hf", [0.0, 3.0, 0.0], [0.0, 0.0, 0.0]),
+    ("scenes/frep/rabbit.hf", [0.0, 2.4, 0.0], [2.5, 1.0, 0.0]),
+    ("scenes/frep/sandbox.hf", [4.3, 1.0, 0.0], [3.0, 2.0, 0.0]),
+    ("scenes/frep/sponge.hf", [0.95, 0.95, 0.95], [0.0, 0.0, 0.0]),
+    ("scenes/frep/stand.hf", [0.0, 3.0, 0.0], [2.0, 4.0, 0.0]),
+    ("scenes/shikki/cup.hf", [2.0, 0.3, 0.0], [0.0, 3.0, 0.0]),
+    ("scenes/shikki/pot.hf", [0.0, 4.0, 0.0], [0.0, 13.0, 0.0]),
+    ("scenes/shikki/stand.hf", [0.0, 11.0, 0.0], [0.0, 5.0, 0.0]),
+    ("scenes/shikki/tray.hf", [0.0, 0.7, 0.0], [0.0, 2.0, 0.0]),
     ("skeleton.hf", [0.0, 0.0, 1.0], [0.0, 1.5, 0.0]),
     ("soft.hf", [-2.5, 0.1, 1.0], [2.0, 2.2, 2.2]),
     ("table1/bretzel.txt", [1.1, 0.0, 0.0], [0.7, 0.0, 0.0]),
@@ -65,7 +78,7 @@ fn every_model_is_solid_inside_and_not_outside() {
 #[test]
 fn no_model_is_left_out() {
     let mut found = Vec::new();
-    for prefix in ["", "table1/", "jsurf/"] {
+    for prefix in ["", "jsurf/", "scenes/frep/", "scenes/shikki/", "table1/"] {
         let folder = folder().join(prefix);
         for entry in std::fs::read_dir(folder).expect("the gallery is a folder") {
             let name = entry.expect("its entries can be read").file_name().to_string_lossy().into_owned();
