@@ -55,6 +55,7 @@ pub(crate) enum Command {
     #[command(after_help = examples::CONVERT)]
     Convert(ConvertArguments),
     /// Print the JSON Schema of scene files, for editors.
+    #[command(after_help = examples::SCHEMA)]
     Schema,
     /// Print the completions of a shell, for its start-up file.
     #[command(after_help = examples::COMPLETIONS)]

@@ -8,8 +8,8 @@ Examples:
   fieldstone eval -e 'x^2 + y^2 + z^2 - 1' < points.txt
   fieldstone check model.hf
 
-Scenes (.toml) are described in docs/scenes.md. Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm), surfaces of SURFER (.jsurf) and formulas
-(any other file, or -e; f < 0 inside, z up). `fieldstone COMMAND --help` shows more examples.";
+Models: HyperFun (.hf, .hpf; F >= 0 inside, y up), programs (.vm), surfaces of SURFER (.jsurf) and formulas
+(any other file, or -e; f < 0 inside, z up). Scenes (.toml): docs/scenes.md. `fieldstone COMMAND --help` shows more examples.";
 
 /// `render`.
 pub(crate) const RENDER: &str = "\
@@ -81,6 +81,15 @@ Examples:
 Parameters keep their names in formulas and are a[1], a[2], ... in HyperFun; programs have their values.
 Coordinates are kept as they are: nothing is turned, although y is up in HyperFun and z in the others.
 The sign becomes that of the language. Attributes are kept in HyperFun only.";
+
+/// `schema`.
+pub(crate) const SCHEMA: &str = "\
+Examples:
+  A schema beside the scenes; editors complete keys by it, and show what they mean:
+    fieldstone schema > scene.schema.json
+
+  In editors with the TOML tools of Taplo, a scene names it in its first line:
+    #:schema ./scene.schema.json";
 
 /// `eval`.
 pub(crate) const EVAL: &str = "\
@@ -154,7 +163,7 @@ mod tests {
     }
 
     fn commands() -> impl Iterator<Item = &'static str> {
-        let texts = [PROGRAM, RENDER, EVAL, CHECK, MEASURE, PLOT, CONVERT, COMPLETIONS, MAN];
+        let texts = [PROGRAM, RENDER, EVAL, CHECK, MEASURE, PLOT, CONVERT, SCHEMA, COMPLETIONS, MAN];
         let lines = texts.into_iter().flat_map(str::lines).map(str::trim);
         lines.filter_map(|line| match line.split_once("| ") {
             Some((_, piped)) => Some(piped),
