@@ -12,6 +12,7 @@ mod map;
 mod minimum;
 mod noise;
 mod points;
+mod slope;
 mod spline;
 mod sweep;
 mod texture;
