@@ -29,7 +29,7 @@ pub use minimum::{Minimum, MinimumError};
 pub use noise::gradient_noise;
 pub use points::{Kernel, MAX_POINTS, PointCloud, PointError, Points, Reconstruction};
 pub use spline::{Basis, SplineError, SplineVolume};
-pub use sweep::{CURVE_PARAMETER, Curve, CurveError, project, sweep, tube};
+pub use sweep::{CURVE_PARAMETER, Curve, CurveError, PROJECTION_PARTS, project, sweep, tube};
 pub use texture::{checker, fractal_noise, marble, turbulence, wood};
 pub use voxels::{Interpolation, MAX_VOXELS, VoxelArray, VoxelError};
 pub use weight::{gaussian, sigmoid};

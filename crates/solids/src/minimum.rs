@@ -11,8 +11,8 @@ mod search;
 use crate::slope::slope;
 use enclosure::Enclosure;
 use fieldstone_field::{
-    F64, Field, Function, Gradients, Graph, Input, Interval, Intervals, LANES, NodeId, Points, Tape,
-    TapeOptions, Workspace,
+    F64, Field, Function, Gradients, Graph, Input, Interval, Intervals, NodeId, Points, Tape, TapeOptions,
+    Workspace,
 };
 use search::Found;
 use std::cell::Cell;
@@ -20,11 +20,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The cells that the range is cut into; every search looks in the middle of each.
-const CELLS: usize = LANES;
+const CELLS: usize = 16;
 
 /// The minimum of a field over one of its inputs, as a [`Function`] of the others.
 ///
-/// Its value is the least of those that a fixed search finds, at least as small as F in the middle of each 64th of the
+/// Its value is the least of those that a fixed search finds, at least as small as F in the middle of each 16th of the
 /// range, and to 10⁻¹³ (relative to its size or 1) that of a local minimum. Its intervals hold these values.
 pub struct Minimum {
     /// F, with u behind the arguments.
@@ -100,6 +100,22 @@ impl Minimum {
         let (values, along, slopes) = (tape(&[]), tape(&derivatives[..1]), tape(&derivatives));
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         Ok(Self { tape: values, along, slopes, arguments, range, number })
+    }
+
+    /// The minima over equal parts of a range, whose least is that over the whole range. Boxes of space need few of
+    /// them, and in each there is more often one minimiser only.
+    ///
+    /// # Errors
+    /// An empty range; black boxes.
+    pub fn in_parts(
+        (program, output): (&Graph, NodeId),
+        over: Input,
+        [from, to]: [f64; 2],
+        parts: usize,
+    ) -> Result<Vec<Self>, MinimumError> {
+        let parts = parts.max(1);
+        let place = |i: usize| if i == parts { to } else { from + (to - from) * (i as f64 / parts as f64) };
+        (0..parts).map(|i| Self::new(program, output, over, [place(i), place(i + 1)])).collect()
     }
 
     /// The inputs that the minimum depends on: the arguments of the function, in this order.

@@ -1,8 +1,8 @@
 //! What holds the minimum all over a box.
 //!
 //! # Theory
-//! Let V be the cells in which F can be as small as the bound from above that the values in the middles give. The
-//! search at a point of the box starts in V. If V is one stretch, left of some part U of it F falls and right of it F
+//! Let V be the places where F can be as small as the bound from above that the values at the first places of searches
+//! give. The search at a point of the box stays in V. If V is one stretch, left of some part U of it F falls and right of it F
 //! rises, then the search cannot lose U: of two neighbouring places left of U the right one is lower. So it ends within
 //! two steps of U. It finds F(X, u) for a u near U, and misses the minimum by no more than δ, what F can change in U.
 //! With G, which holds ∂F/∂X over the box and near U, the minimum m is m(P) + G·(X − P) ± δ for all P and X of the box
@@ -11,10 +11,14 @@
 
 use super::search::STAGES;
 use super::{CELLS, Minimum, Scratch};
-use fieldstone_field::{Interval, LANES};
+use fieldstone_field::Interval;
 
-/// How often cells are cut at most, and so few of them that there are no more than lanes.
-const ROUNDS: usize = 4;
+/// As many cells are left alone as they are, and cells are cut into about as many.
+const MOST_CELLS: usize = 20;
+/// A box where the minimum is positive and known to be above this part of its bound is far outside.
+const FAR: f64 = 0.25;
+/// How often cells are cut at most.
+const ROUNDS: usize = 8;
 
 /// What holds a minimum in a box.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +36,7 @@ struct Segment {
     to: f64,
     /// Below F.
     floor: f64,
-    /// Above F in the middle.
+    /// Above F at a place.
     ceiling: f64,
     /// ∂F/∂u.
     slope: Interval<f64>,
@@ -48,75 +52,89 @@ impl Segment {
     }
 }
 
-/// What is known of a box before cells are cut.
-struct Start {
-    /// V.
+/// V, in cells.
+struct Stretch {
     cells: Vec<Segment>,
-    /// Above every value of the minimum.
+    /// Above every value of the minimum: the least of those at the first places of searches.
     ceiling: f64,
-    /// Below F outside of V.
-    rest: f64,
     /// What rounding may do to values.
     noise: f64,
-    /// Whether V is one stretch and F has slopes in it.
+    /// Whether V was one stretch with slopes, and what rises or falls in it is left out.
     is_single: bool,
+}
+
+impl Stretch {
+    /// Leaves out what is too high for the minimum, and then what rises or falls by more than `flat`.
+    fn narrow(&mut self, flat: f64) {
+        let ceiling = self.ceiling;
+        // What may be undefined stays.
+        self.cells.retain(|cell| cell.floor <= ceiling || cell.floor.is_nan());
+        let is_one = self.cells.windows(2).all(|pair| pair[0].to == pair[1].from);
+        let is_smooth = |cell: &Segment| cell.slope.lo.is_finite() && cell.slope.hi.is_finite();
+        self.is_single = self.is_single || is_one && self.cells.iter().all(is_smooth);
+        if self.is_single {
+            self.cells = without_slopes(&self.cells, flat);
+        }
+    }
+
+    /// Below the minimum.
+    fn floor(&self) -> f64 {
+        self.cells.iter().fold(self.ceiling, |least, cell| least.min(cell.floor))
+    }
+
+    /// From the first cell to the end of the last.
+    fn length(&self) -> f64 {
+        self.cells.first().zip(self.cells.last()).map_or(0.0, |(first, last)| last.to - first.from)
+    }
 }
 
 impl Minimum {
     /// Encloses the minimum in a box that is more than a point.
     pub(super) fn enclose(&self, scratch: &mut Scratch, boxes: &[Interval<f64>]) -> Enclosure {
-        let mut start = self.start(scratch, boxes);
-        let unknown = start.cells.iter().any(|cell| cell.floor.is_nan());
-        if unknown || !start.ceiling.is_finite() {
+        let mut stretch = self.start(scratch, boxes);
+        let is_unknown = stretch.cells.iter().any(|cell| cell.floor.is_nan());
+        if is_unknown || !stretch.ceiling.is_finite() {
             return Enclosure { range: Interval::undefined(), curvature: f64::INFINITY };
         }
         // Slopes flatter than this may be lost in rounding.
-        let flat = start.noise / self.spacing(STAGES[0]);
-        let mut ceiling = start.ceiling;
-        let mut cells = std::mem::take(&mut start.cells);
+        let flat = stretch.noise / self.spacing(STAGES[0]);
+        stretch.narrow(flat);
+        // Far outside, that is all that anyone asks.
+        let lowest = stretch.floor();
+        if lowest > 0.0 && lowest > FAR * stretch.ceiling {
+            return Enclosure { range: Interval::new(lowest, stretch.ceiling), curvature: f64::INFINITY };
+        }
         for _ in 0..ROUNDS {
-            let before = length(&cells);
-            cells = without_slopes(cells, flat);
-            if !start.is_single {
-                cells.retain(|cell| cell.floor <= ceiling);
-            }
-            let Some(next) = split(&cells) else { break };
-            cells = next;
-            self.bound(scratch, boxes, (&mut cells, start.noise));
-            ceiling = cells.iter().fold(ceiling, |least, cell| least.min(cell.ceiling));
-            if length(&cells) > 0.5 * before {
+            let (before, was_single) = (stretch.length(), stretch.is_single);
+            let Some(cells) = split(&stretch.cells) else { break };
+            stretch.cells = cells;
+            self.bound(scratch, boxes, (&mut stretch.cells, stretch.noise));
+            stretch.narrow(flat);
+            if was_single && stretch.length() > 0.5 * before {
                 break;
             }
         }
-        let cells = without_slopes(cells, flat);
-        let floor = cells.iter().fold(f64::INFINITY, |least, cell| least.min(cell.floor));
-        let floor = floor.min(start.rest).min(start.ceiling);
-        let mut enclosure =
-            Enclosure { range: Interval::new(floor, start.ceiling), curvature: f64::INFINITY };
-        if start.is_single {
-            self.follow(scratch, boxes, &cells, &start, &mut enclosure);
+        let range = Interval::new(stretch.floor(), stretch.ceiling);
+        let mut enclosure = Enclosure { range, curvature: f64::INFINITY };
+        if stretch.is_single {
+            self.follow(scratch, boxes, &stretch, &mut enclosure);
         }
         enclosure
     }
 
-    /// Bounds F in the cells of the range and finds V.
-    fn start(&self, scratch: &mut Scratch, boxes: &[Interval<f64>]) -> Start {
+    /// Bounds F in the cells of the range.
+    fn start(&self, scratch: &mut Scratch, boxes: &[Interval<f64>]) -> Stretch {
         let (from, step) = (self.range[0], self.spacing(0));
         let end = |i: usize| if i == CELLS { self.range[1] } else { from + i as f64 * step };
         let mut cells: Vec<Segment> =
             (0..CELLS).map(|i| Segment::new(end(i), end(i + 1), f64::NEG_INFINITY)).collect();
-        // The middles are those of searches, to the bit: what is above their values is above the minimum.
+        // Places where searches look, to the bit: what is above the values there is above the minimum.
         let places: Vec<f64> = self.middles().collect();
         self.bound_at(scratch, boxes, (&mut cells, &places, 0.0));
         let ceiling = cells.iter().fold(f64::INFINITY, |least, cell| least.min(cell.ceiling));
         let noise = self.noise(scratch, boxes, &cells);
-        let in_v: Vec<usize> = (0..CELLS).filter(|&i| !(cells[i].floor > ceiling)).collect();
-        let rest = cells.iter().map(|cell| cell.floor).filter(|floor| *floor > ceiling);
-        let rest = rest.fold(f64::INFINITY, f64::min) - noise;
-        let is_stretch = in_v.windows(2).all(|pair| pair[1] == pair[0] + 1);
-        let cells: Vec<Segment> = in_v.into_iter().map(|i| cells[i]).collect();
-        let is_smooth = cells.iter().all(|c| c.slope.lo.is_finite() && c.slope.hi.is_finite());
-        Start { cells, ceiling, rest, noise, is_single: is_stretch && is_smooth }
+        cells.iter_mut().for_each(|cell| cell.floor -= noise);
+        Stretch { cells, ceiling, noise, is_single: false }
     }
 
     /// What rounding may do to values of F near the lowest middle.
@@ -161,7 +179,7 @@ impl Minimum {
         self.bound_at(scratch, boxes, (cells, &places, noise));
     }
 
-    /// Bounds F in cells, at most as many as there are lanes, from its values at places in them and its slopes.
+    /// Bounds F in cells, at most [`LANES`](fieldstone_field::LANES), from its values at places in them and its slopes.
     fn bound_at(
         &self,
         scratch: &mut Scratch,
@@ -170,8 +188,7 @@ impl Minimum {
     ) {
         let at: Vec<Interval<f64>> = places.iter().map(|&u| Interval::new(u, u)).collect();
         self.run(scratch, &self.tape, (boxes, &at));
-        let mut lows = [f64::NAN; LANES];
-        lows[..cells.len()].copy_from_slice(&scratch.boxes.output(0, 0)[..cells.len()]);
+        let lows: Vec<f64> = scratch.boxes.output(0, 0)[..cells.len()].to_vec();
         for (cell, &high) in cells.iter_mut().zip(scratch.boxes.output(0, 1)) {
             cell.ceiling = high;
         }
@@ -195,11 +212,10 @@ impl Minimum {
         &self,
         scratch: &mut Scratch,
         boxes: &[Interval<f64>],
-        cells: &[Segment],
-        start: &Start,
+        stretch: &Stretch,
         enclosure: &mut Enclosure,
     ) {
-        let (Some(first), Some(last)) = (cells.first(), cells.last()) else { return };
+        let (Some(first), Some(last)) = (stretch.cells.first(), stretch.cells.last()) else { return };
         let margin = 2.0 * self.spacing(STAGES[0]);
         let near =
             Interval::new((first.from - margin).max(self.range[0]), (last.to + margin).min(self.range[1]));
@@ -208,7 +224,7 @@ impl Minimum {
         let at_middle = scratch.boxes.output(0, 1)[0];
         self.run(scratch, &self.slopes, (boxes, &[near]));
         let output = |o: usize| Interval::new(scratch.boxes.output(o, 0)[0], scratch.boxes.output(o, 1)[0]);
-        let lost = steepest(output(1)) * near.width() * (1.0 + 1e-9) + 2.0 * start.noise;
+        let lost = steepest(output(1)) * near.width() * (1.0 + 1e-9) + 2.0 * stretch.noise;
         let high = at_middle + lost;
         if high < enclosure.range.hi {
             enclosure.range.hi = high.max(enclosure.range.lo);
@@ -235,14 +251,9 @@ fn steepest(slope: Interval<f64>) -> f64 {
     if slope.lo.is_nan() || size.is_nan() { f64::INFINITY } else { size }
 }
 
-/// How far the cells reach.
-fn length(cells: &[Segment]) -> f64 {
-    cells.first().zip(cells.last()).map_or(0.0, |(first, last)| last.to - first.from)
-}
-
 /// Leaves out cells in which F rises or falls: the minimum is at their end, which belongs to a neighbour, or is kept as a
 /// cell of one point.
-fn without_slopes(cells: Vec<Segment>, flat: f64) -> Vec<Segment> {
+fn without_slopes(cells: &[Segment], flat: f64) -> Vec<Segment> {
     let (falls, rises) = (|c: &Segment| c.slope.hi < -flat, |c: &Segment| c.slope.lo > flat);
     let mut kept: Vec<Segment> = Vec::with_capacity(cells.len());
     for (i, cell) in cells.iter().enumerate() {
@@ -268,7 +279,7 @@ fn without_slopes(cells: Vec<Segment>, flat: f64) -> Vec<Segment> {
 /// The cells cut into parts, if there are few enough and any is more than a point.
 fn split(cells: &[Segment]) -> Option<Vec<Segment>> {
     let wide = cells.iter().filter(|cell| cell.from < cell.to).count();
-    let parts = (LANES - (cells.len() - wide).min(LANES)) / wide.max(1);
+    let parts = MOST_CELLS / wide.max(1);
     if wide == 0 || parts < 2 {
         return None;
     }

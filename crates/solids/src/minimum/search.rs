@@ -1,14 +1,14 @@
 //! The search at a point.
 //!
 //! After stage k the least value so far stands at a place p, and p − h and p + h have been looked at too, or lie beyond
-//! the range, with h = range · 2^−(6 + 5k).
+//! the range, with h = range · 2^−(5 + 3k).
 
 use super::{CELLS, Minimum, Scratch};
 
 /// Places between p and p + h in the next stage.
-const PARTS: usize = 32;
+const PARTS: usize = 8;
 /// The stages that every search goes through, which enclosures rely on, and the most.
-pub(super) const STAGES: [i32; 2] = [3, 8];
+pub(super) const STAGES: [i32; 2] = [7, 14];
 
 /// What a search found.
 #[derive(Clone, Copy, Debug)]
@@ -33,13 +33,10 @@ impl Minimum {
 
     /// Searches the minimum at a point.
     pub(super) fn search(&self, scratch: &mut Scratch, arguments: &[f64]) -> Found {
-        for (k, &argument) in arguments.iter().enumerate() {
-            scratch.values.input(k, 0).fill(argument);
-        }
         let mut found = Found { value: f64::INFINITY, place: self.range[0] };
         let mut places: Vec<f64> = self.middles().collect();
         for stage in 0..=STAGES[1] {
-            let spread = self.look(scratch, &places, &mut found);
+            let spread = self.look(scratch, (arguments, &places), &mut found);
             if stage >= STAGES[0] && spread.is_none_or(|s| s <= 1e-15 * found.value.abs().max(1.0)) {
                 break;
             }
@@ -55,10 +52,17 @@ impl Minimum {
     }
 
     /// Takes values at places, at most as many as there are lanes; returns how far apart they lie, if there are any.
-    fn look(&self, scratch: &mut Scratch, places: &[f64], found: &mut Found) -> Option<f64> {
+    fn look(
+        &self,
+        scratch: &mut Scratch,
+        (arguments, places): (&[f64], &[f64]),
+        found: &mut Found,
+    ) -> Option<f64> {
         let values = &mut scratch.values;
-        let u = self.arguments.len();
-        values.input(u, 0)[..places.len()].copy_from_slice(places);
+        for (k, &argument) in arguments.iter().enumerate() {
+            values.input(k, 0)[..places.len()].fill(argument);
+        }
+        values.input(arguments.len(), 0)[..places.len()].copy_from_slice(places);
         values.run(&self.tape, places.len());
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for (&place, &value) in places.iter().zip(values.output(0, 0)) {
