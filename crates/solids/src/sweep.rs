@@ -8,6 +8,9 @@ use fieldstone_field::{Graph, Input, NodeId};
 /// The input that stands for the parameter u of curves; no model has as many coordinates.
 pub const CURVE_PARAMETER: Input = Input::Coordinate(u16::MAX);
 
+/// The parts in which the minimum of a projection is searched.
+pub const PROJECTION_PARTS: usize = 2;
+
 /// The most points of a curve.
 const MOST_POINTS: usize = 256;
 
@@ -82,6 +85,17 @@ impl Curve {
         Ok(translate(graph, point, place))
     }
 
+    /// In how many parts of the curve the minimum is best searched: few, and none that comes back to where it was.
+    pub fn parts(&self) -> usize {
+        let parts = match self {
+            Self::Polyline(points) => points.len() / 4,
+            Self::Bezier(_) => 2,
+            Self::Helix { turns, .. } => turns.abs().ceil() as usize,
+            Self::Program(..) => 4,
+        };
+        parts.clamp(2, 16)
+    }
+
     /// The coordinates of c(u), for the node of u.
     fn at(&self, graph: &mut Graph, u: NodeId) -> [NodeId; 3] {
         if let Self::Program(program, coordinates) = self {
@@ -119,13 +133,39 @@ fn polyline<'g>(points: &[[f64; 3]], u: Expr<'g>) -> Vector<'g> {
     at
 }
 
-/// De Casteljau's construction.
+/// In powers of u by Horner's rule, which takes the fewest operations; of higher degree, where powers lose digits,
+/// by de Casteljau's construction.
 fn bezier<'g>(points: &[[f64; 3]], u: Expr<'g>) -> Vector<'g> {
+    if points.len() <= 8 {
+        return Vector([0, 1, 2].map(|k| {
+            let coefficients = powers(points.iter().map(|p| p[k]).collect());
+            let mut rest = coefficients.into_iter().rev();
+            let last = u.number(rest.next().unwrap_or(0.0));
+            rest.fold(last, |sum, c| sum * u + c)
+        }));
+    }
     let mut row: Vec<Vector<'g>> = points.iter().map(|p| Vector(p.map(|x| u.number(x)))).collect();
     while row.len() > 1 {
         row = row.windows(2).map(|pair| pair[0] + (pair[1] - pair[0]) * u).collect();
     }
     row[0]
+}
+
+/// The coefficients of 1, u, u², … of a polynomial with these Bernstein coefficients: binomials times differences.
+fn powers(mut row: Vec<f64>) -> Vec<f64> {
+    let degree = row.len() - 1;
+    let mut binomial = 1.0;
+    (0..=degree)
+        .map(|k| {
+            let coefficient = binomial * row[0];
+            binomial *= (degree - k) as f64 / (k + 1) as f64;
+            for i in 0..row.len().saturating_sub(1) {
+                row[i] = row[i + 1] - row[i];
+            }
+            row.pop();
+            coefficient
+        })
+        .collect()
 }
 
 /// Sweeps a solid along a curve without turning it: the union of its copies moved by c(u), min over u of f(p − c(u)).
@@ -144,7 +184,15 @@ pub fn sweep(
     let point = [0, 1, 2].map(|k| copy.input(Input::Coordinate(k)));
     let at = curve.moved_back(&mut copy, point)?;
     let value = moved(&mut copy, program, &[output], at)[0];
-    Ok(Minimum::new(&copy, value, CURVE_PARAMETER, [0.0, 1.0])?.call(graph))
+    let parts = Minimum::in_parts((&copy, value), CURVE_PARAMETER, [0.0, 1.0], curve.parts())?;
+    Ok(least(graph, parts))
+}
+
+/// The least of minima.
+fn least(graph: &mut Graph, minima: Vec<Minimum>) -> NodeId {
+    let nodes: Vec<NodeId> = minima.into_iter().map(|minimum| minimum.call(graph)).collect();
+    let least = nodes.into_iter().reduce(|a, b| graph.min(a, b));
+    least.unwrap_or_else(|| graph.constant(f64::INFINITY))
 }
 
 /// Projects a solid along one of its coordinates (usually the fourth, counted 3): the union of its sections,
@@ -159,7 +207,7 @@ pub fn project(
     over: Input,
     range: [f64; 2],
 ) -> Result<NodeId, MinimumError> {
-    Ok(Minimum::new(program, output, over, range)?.call(graph))
+    Ok(least(graph, Minimum::in_parts((program, output), over, range, PROJECTION_PARTS)?))
 }
 
 /// A ball that moves from point to point: the distance to the nearest stretch less the radius, in closed form.

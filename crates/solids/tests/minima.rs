@@ -2,7 +2,7 @@
 
 mod kit;
 
-use fieldstone_field::{Field, Graph, Input, NodeId};
+use fieldstone_field::{Field, Function, Graph, Input, Interval, NodeId};
 use fieldstone_solids::{Curve, CurveError, Minimum, MinimumError, project, sweep, tube};
 use kit::{Random, at, ball, check, coordinates, field};
 
@@ -185,4 +185,47 @@ fn a_place_where_the_solid_is_undefined_does_not_hide_the_others() {
     let field = Field::new(graph, value, Vec::new());
     // Nothing is proved there, and the search stays coarse.
     assert!((at(&field, [0.25, 0.0, 0.0]) - 0.15).abs() < 0.05);
+}
+
+/// Valleys that are flat, narrow, double or between the places of a search: what `value` finds must lie in every interval.
+#[test]
+fn intervals_hold_what_values_are_whatever_the_valley() {
+    use fieldstone_solids::expression::{Expr, write};
+    type Valley = for<'g> fn(Expr<'g>, Expr<'g>) -> Expr<'g>;
+    let valleys: [(&str, Valley); 7] = [
+        ("flat", |x, u| ((u - x).abs() - 0.3).max(0.0) - 0.1),
+        ("constant", |x, u| x + 0.0 * u),
+        ("almost flat", |x, u| 1e-14 * (u - x).square() + x),
+        ("needle", |x, u| ((u - 0.3 * x).abs() * 1e4).min(1.0) - 0.5),
+        ("double", |x, u| ((u - 0.37).square() - 0.0625).square() + 0.01 * x * u),
+        ("waves", |x, u| (u * 300.0 + x).sin() + (u - x).square()),
+        ("kinks", |x, u| (u - x).abs().min((u + 0.5 * x - 0.2).abs() + 1e-3) + 0.1 * u),
+    ];
+    for (name, valley) in valleys {
+        let mut inner = Graph::new();
+        let [x, u] = [0, 3].map(|k| inner.input(Input::Coordinate(k)));
+        let value = write(&mut inner, |cell| valley(Expr::new(cell, x), Expr::new(cell, u)).id());
+        let minimum = Minimum::new(&inner, value, Input::Coordinate(3), [-1.0, 1.0]).expect("a range");
+        let mut random = Random(5);
+        for round in 0..400 {
+            let size = 10f64.powi(-(round % 9));
+            let low = 3.0 * random.unit() - 1.5;
+            let side = Interval::new(low, low + size);
+            let bound = minimum.interval(&[side]);
+            let curvature = minimum.curvature(&[side]);
+            let (middle, mut slope) = (low + 0.5 * size, [0.0]);
+            let at_middle = minimum.value(&[middle]);
+            minimum.gradient(&[middle], &mut slope);
+            for _ in 0..20 {
+                let p = (low + size * random.unit()).min(side.hi);
+                let found = minimum.value(&[p]);
+                assert!(bound.contains(found), "{name}: {found:e} escapes {bound:?} at {p} of {side:?}");
+                let bend = (found - at_middle - slope[0] * (p - middle)).abs();
+                assert!(
+                    bend <= 0.125 * curvature * size * size * 1.000001 + 1e-15,
+                    "{name}: {bend:e} in {side:?}"
+                );
+            }
+        }
+    }
 }

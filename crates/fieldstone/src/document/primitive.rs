@@ -6,7 +6,8 @@ use super::tree::{EMPTY, Table, Value};
 use crate::data::{DataError, NumberType, Placement, RawLayout, load_points, load_voxels};
 use fieldstone_field::{Function, Graph, Input, NodeId};
 use fieldstone_solids::{
-    Basis, CURVE_PARAMETER, Curve, Interpolation, Minimum, MinimumError, Reconstruction, SplineVolume,
+    Basis, CURVE_PARAMETER, Curve, Interpolation, Minimum, MinimumError, PROJECTION_PARTS, Reconstruction,
+    SplineVolume,
 };
 use std::sync::Arc;
 
@@ -157,7 +158,7 @@ impl<'d> Composer<'_, 'd> {
             .moved_back(&mut self.graph, plain)
             .map_err(|error| value.error(error.to_string(), "no curve"))?;
         let inner = self.inner(solid, &Space { point: moved, ..*space }, None)?;
-        self.least(value, (inner, CURVE_PARAMETER, [0.0, 1.0]), space)
+        self.least(value, (inner, CURVE_PARAMETER, [0.0, 1.0], curve.parts()), space)
     }
 
     fn projection(&mut self, value: &'d Value, table: &'d Table, space: &Space) -> Outcome<NodeId> {
@@ -170,7 +171,7 @@ impl<'d> Composer<'_, 'd> {
         let point = [0, 1, 2].map(|k| self.graph.input(Input::Coordinate(k)));
         let fourth = self.graph.input(w);
         let inner = self.inner(solid, &Space { point, ..*space }, Some(fourth))?;
-        self.least(value, (inner, w, [from, to]), space)
+        self.least(value, (inner, w, [from, to], PROJECTION_PARTS), space)
     }
 
     /// The field of a solid that is no part of what is composed, in a space of its own.
@@ -188,16 +189,18 @@ impl<'d> Composer<'_, 'd> {
     fn least(
         &mut self,
         value: &Value,
-        (field, over, range): (NodeId, Input, [f64; 2]),
+        (field, over, range, parts): (NodeId, Input, [f64; 2], usize),
         space: &Space,
     ) -> Outcome<NodeId> {
         let failed = |error: MinimumError| -> Fault { value.error(error.to_string(), "no minimum").into() };
-        let minimum = Minimum::new(&self.graph, field, over, range).map_err(failed)?;
+        let minima = Minimum::in_parts((&self.graph, field), over, range, parts).map_err(failed)?;
         let node = |g: &mut Graph, input| match input {
             Input::Coordinate(k) if k < 3 => space.point[usize::from(k)],
             other => g.input(other),
         };
-        Ok(minimum.call_with(&mut self.graph, node))
+        let calls: Vec<NodeId> = minima.into_iter().map(|m| m.call_with(&mut self.graph, node)).collect();
+        let least = calls.into_iter().reduce(|a, b| self.graph.min(a, b));
+        Ok(least.unwrap_or_else(|| self.graph.constant(f64::INFINITY)))
     }
 }
 

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
 mod access;
+mod data;
 mod errors;
 mod meaning;
 mod schema;

@@ -145,9 +145,11 @@ impl Parser<'_> {
         let is_called = self.second() == Token::Open;
         let is_value = built_in(name).is_some() || self.defined.contains_key(name);
         let callee = Function::named(name);
-        if let (Some(function), false) = (callee, is_called) {
+        if let (Some(function), false, false) = (callee, is_called, is_value) {
             return Err(self.missing_parentheses(function, name));
         }
+        // Functions whose names may be defined are those where they are called.
+        let is_value = is_value && !(is_called && Function::may_be_defined(name));
         if is_value || !is_called {
             let operand = self.variable(at);
             pending.operands.push(operand);

@@ -23,6 +23,13 @@ impl Function {
         all().find(|function| function.names.contains(&name))
     }
 
+    /// Whether a formula may give this name of a function to a value, which goes before the function where it is not
+    /// called: so for blends and patterns.
+    pub(super) fn may_be_defined(name: &str) -> bool {
+        let mut names = solids::BLENDS.iter().chain(solids::PATTERNS).flat_map(|function| function.names);
+        names.any(|known| *known == name)
+    }
+
     /// Whether it can be called with this many arguments.
     pub(super) fn takes(&self, count: usize) -> bool {
         match self.arguments.strip_suffix(MORE) {

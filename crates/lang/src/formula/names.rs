@@ -50,7 +50,9 @@ pub(super) fn check_definition(
             ("the time", "choose another name; the time is set when rendering".to_owned())
         }
         Some(BuiltIn::Constant(value)) => ("a constant", format!("it is {value:.5}; choose another name")),
-        None if Function::named(name).is_some() => ("a function", "choose another name".to_owned()),
+        None if Function::named(name).is_some() && !Function::may_be_defined(name) => {
+            ("a function", "choose another name".to_owned())
+        }
         None if defined.contains_key(name) => {
             let error =
                 Diagnostic::error(span.clone(), format!("`{name}` is defined twice"), "defined again");

@@ -385,3 +385,14 @@ fn broken_definitions() {
       = help: a definition is written `let name = value;`
     "#);
 }
+
+#[test]
+fn names_of_patterns_and_blends_may_be_defined() {
+    use super::value;
+    assert_eq!(value("noise = 3; x + noise", &[1.0, 0.0, 0.0]), 4.0);
+    assert_eq!(value("let wood = 2; wood*(x + 1)", &[1.0, 0.0, 0.0]), 4.0);
+    // Where it is called it is the function.
+    let plain = value("checker(x, y, z)", &[0.5, 0.5, 0.5]);
+    assert_eq!(value("checker = 7; checker(x, y, z) + checker", &[0.5, 0.5, 0.5]), plain + 7.0);
+    assert!(messages("sin = 3; x + sin").contains("cannot be defined"));
+}
