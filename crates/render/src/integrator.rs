@@ -257,10 +257,11 @@ impl Crossing {
         if path.bounces_left == 0 {
             return;
         }
+        // Also where the first ray is lost among the facets: another sample will see light there.
+        sample.by_chance |= self.scatter.is_rough();
         let number = |choice: u32| point(path.index, derive(path.seed, choice));
         let chance = Chance { facet: number(choice::FACET), kind: number(choice::KIND).0 };
         for ray in self.scatter.onward(chance).into_iter().flatten() {
-            sample.by_chance |= ray.rough;
             onward.extend(self.bounced(&ray).if_bright());
         }
     }
