@@ -24,7 +24,7 @@ use glam::DVec3;
 const FAINTEST: f64 = 1.0 / 8192.0;
 
 /// From so many rays of a sample on, what counts as faint grows, with their third power: after eight times as many about
-/// two are followed at a time, after sixteen times as many hardly any.
+/// sixteen are followed at a time, after sixteen times as many two.
 const MANY: u32 = 64;
 
 /// How many surfaces a ray passes straight, where they are not opaque, before it ends.
