@@ -7,7 +7,8 @@
 //! certainly behind it, so that the next hit inside a body is the way out: no offsets are needed.
 //!
 //! Smooth surfaces branch; rough ones send one ray on, chosen by chance. A ray that has bounced as often as it may is
-//! not followed; of those whose light counts less than [`FAINTEST`] a few are, for all others. Where something is not opaque, light goes straight through
+//! not followed; of those whose light counts less than [`FAINTEST`] a few are, for all others. Where many surfaces branch,
+//! what counts as faint grows with the rays that a sample has had, so that all ends soon and is right on average. Where something is not opaque, light goes straight through
 //! in proportion; that is no bounce. Certificates of pixels are about the first hits of their own rays.
 
 use crate::bsdf::{Chance, Meeting, Onward, Scatter};
@@ -21,6 +22,10 @@ use glam::DVec3;
 
 /// Of rays whose light is multiplied by less than this, in every component, only some are followed.
 const FAINTEST: f64 = 1.0 / 8192.0;
+
+/// From so many rays of a sample on, what counts as faint grows, with their third power: after eight times as many about
+/// sixteen are followed at a time, after sixteen times as many two.
+const MANY: u32 = 64;
 
 /// How many surfaces a ray passes straight, where they are not opaque, before it ends.
 const MOST_PASSED: u16 = 256;
@@ -59,6 +64,8 @@ pub(crate) struct Sample {
     pub(crate) alpha: f64,
     /// Whether chance had a part in the colour.
     pub(crate) by_chance: bool,
+    /// How many rays were followed for it.
+    followed: u32,
 }
 
 /// A ray on its way.
@@ -86,11 +93,13 @@ pub(crate) struct Integrator<'s, 'p> {
     prepared: &'p Prepared<'s>,
     sky: &'p Sky<'s>,
     lamps: Lamps<'s, 'p>,
+    /// [`MANY`], but in tests.
+    many: u32,
 }
 
 impl<'s, 'p> Integrator<'s, 'p> {
     pub(crate) fn new(prepared: &'p Prepared<'s>, sky: &'p Sky<'s>) -> Self {
-        Self { prepared, sky, lamps: Lamps::new(prepared, sky) }
+        Self { prepared, sky, lamps: Lamps::new(prepared, sky), many: MANY }
     }
 
     /// What comes back along each ray from the eye.
@@ -118,6 +127,7 @@ impl<'s, 'p> Integrator<'s, 'p> {
             colour: DVec3::ZERO,
             alpha: 0.0,
             by_chance: false,
+            followed: 1,
         };
         let mut samples: Vec<Sample> = answers.iter().map(empty).collect();
         let mut waiting = self.follow(asker, &first, &answers, &mut samples);
@@ -204,9 +214,18 @@ impl<'s, 'p> Integrator<'s, 'p> {
             let unlit = if let Scatter::Unlit(colour) = crossing.scatter { colour } else { DVec3::ZERO };
             path.bring_share(sent.colour + unlit + look.emission, look.opacity, sample);
             sample.by_chance |= sent.by_chance;
-            crossing.go_on(sample, &mut onward);
+            let faintest = self.faintest(sample.followed);
+            let before = onward.len();
+            crossing.go_on(faintest, sample, &mut onward);
+            sample.followed += (onward.len() - before) as u32;
         }
         onward
+    }
+
+    /// Of rays whose light is multiplied by less than this only some are followed, after so many.
+    fn faintest(&self, followed: u32) -> f64 {
+        let excess = f64::from(followed) / f64::from(self.many);
+        FAINTEST * excess.powi(3).max(1.0)
     }
 
     fn crossing(&self, path: &Path, surface: &Surface, normal: DVec3, look: &Appearance) -> Crossing {
@@ -245,23 +264,24 @@ impl Crossing {
         }
     }
 
-    /// Adds the rays from which more light comes.
-    fn go_on(&self, sample: &mut Sample, onward: &mut Vec<Path>) {
+    /// Adds the rays from which more light comes; of those fainter than `faintest` only some.
+    fn go_on(&self, faintest: f64, sample: &mut Sample, onward: &mut Vec<Path>) {
         let (path, look) = (&self.path, &self.look);
         if look.opacity < 1.0 && path.passed < MOST_PASSED {
             let throughput = path.throughput * (1.0 - look.opacity);
             let (passed, seed) = (path.passed + 1, derive(path.seed, branch::STRAIGHT));
             let straight = Path { origin: self.surface.behind, throughput, passed, seed, ..*path };
-            onward.extend(straight.if_bright());
+            onward.extend(straight.if_bright(faintest, sample));
         }
         if path.bounces_left == 0 {
             return;
         }
+        // Also where the first ray is lost among the facets: another sample will see light there.
+        sample.by_chance |= self.scatter.is_rough();
         let number = |choice: u32| point(path.index, derive(path.seed, choice));
         let chance = Chance { facet: number(choice::FACET), kind: number(choice::KIND).0 };
         for ray in self.scatter.onward(chance).into_iter().flatten() {
-            sample.by_chance |= ray.rough;
-            onward.extend(self.bounced(&ray).if_bright());
+            onward.extend(self.bounced(&ray).if_bright(faintest, sample));
         }
     }
 
@@ -294,11 +314,12 @@ impl Path {
 
     /// The ray, if its light counts enough. Fainter rays are kept by chance, in proportion, and count for those that are
     /// not: so nothing is lost on average.
-    fn if_bright(self) -> Option<Self> {
-        let share = self.throughput.max_element() / FAINTEST;
+    fn if_bright(self, faintest: f64, sample: &mut Sample) -> Option<Self> {
+        let share = self.throughput.max_element() / faintest;
         if share >= 1.0 {
             return Some(self);
         }
+        sample.by_chance |= faintest > FAINTEST;
         let chance = f64::from(derive(self.seed, self.index)) / (1u64 << 32) as f64;
         (chance < share).then(|| Self { throughput: self.throughput / share, ..self })
     }
@@ -315,5 +336,75 @@ impl Path {
             // On the line of sight nothing but what was passed straight has dimmed the light, in all components alike.
             sample.alpha += self.throughput.x * share;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fieldstone_field::{Bindings, Field, Graph, Input};
+    use fieldstone_scene::{
+        Background, Bounds, Camera, Instance, Lighting, Material, Scene, Settings, Solid, Up,
+    };
+    use glam::DAffine3;
+
+    /// Balls in a row, whose surfaces send every ray on in three directions, under a sky of two colours.
+    fn balls(bounces: u32) -> Scene {
+        let mut g = Graph::new();
+        let mut sum = g.constant(-1.0);
+        for axis in 0..3 {
+            let x = g.input(Input::Coordinate(axis));
+            let square = g.square(x);
+            sum = g.add(sum, square);
+        }
+        let bounds = Bounds::new(DVec3::splat(-1.5), DVec3::splat(1.5)).unwrap();
+        let look = Appearance {
+            colour: DVec3::ONE,
+            reflection: 0.5,
+            transmission: 0.5,
+            opacity: 0.7,
+            ..Appearance::default()
+        };
+        let solid = Solid::new(Field::new(g, sum, Vec::new()), Bindings::new(), bounds);
+        let solid = solid.with_material(Material::of(look).unwrap()).unwrap();
+        let at = |x: f64| Instance::new(0, DAffine3::from_translation(DVec3::new(x, 0.0, 0.0))).unwrap();
+        let lighting = Lighting {
+            ambient: DVec3::splat(0.2),
+            background: Background { top: DVec3::ONE, bottom: DVec3::new(0.2, 0.5, 0.8) },
+            ..Lighting::default()
+        };
+        let settings = Settings { bounces, ..Settings::default() };
+        let camera = Camera::fitted(&bounds, Up::Z, 1.0);
+        Scene::with_instances(vec![solid], vec![at(0.0), at(2.2), at(4.4)], camera, lighting, settings)
+            .unwrap()
+    }
+
+    fn samples(scene: &Scene, many: u32, rays: u32) -> Vec<Sample> {
+        let (prepared, sky) = (Prepared::new(scene), Sky::new(scene));
+        let integrator = Integrator { many, ..Integrator::new(&prepared, &sky) };
+        let direction = DVec3::new(1.0, 0.03, 0.05).normalize();
+        let ray = |index| EyeRay { origin: DVec3::new(-4.0, 0.1, 0.2), direction, seed: 7, index };
+        let rays: Vec<EyeRay> = (0..rays).map(ray).collect();
+        integrator.radiance(&mut Asker::default(), &rays)
+    }
+
+    #[test]
+    fn rays_that_are_left_out_change_no_mean() {
+        let scene = balls(5);
+        let all = samples(&scene, u32::MAX, 1)[0];
+        let some = samples(&scene, 4, 4000);
+        let mean = some.iter().map(|s| s.colour).sum::<DVec3>() / 4000.0;
+        let alpha = some.iter().map(|s| s.alpha).sum::<f64>() / 4000.0;
+        assert!((mean - all.colour).abs().max_element() < 0.01, "{mean} is not {}", all.colour);
+        assert!((alpha - all.alpha).abs() < 0.01, "{alpha} is not {}", all.alpha);
+        let most = some.iter().map(|s| s.followed).max().unwrap();
+        assert!(all.followed > 4 * most, "{} and {most}", all.followed);
+        assert!(!all.by_chance && some.iter().all(|s| s.by_chance));
+    }
+
+    #[test]
+    fn the_rays_of_a_sample_are_bounded() {
+        let most = samples(&balls(64), MANY, 16).iter().map(|s| s.followed).max().unwrap();
+        assert!((MANY..32 * MANY).contains(&most), "{most}");
     }
 }

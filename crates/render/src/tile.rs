@@ -289,7 +289,8 @@ fn look_through_centres(
 
 /// What chance depends on in a pixel.
 fn seed(x: u32, y: u32) -> u32 {
-    derive(hash(x), y)
+    // Not of both coordinates alike, or noise would be mirrored about the diagonal.
+    hash(hash(x).wrapping_add(y))
 }
 
 fn to_pixel(sample: &Sample) -> Pixel {
@@ -413,4 +414,19 @@ fn place_in_pixel(i: usize) -> (f64, f64) {
     // 1/ρ and 1/ρ² for the root ρ of x³ = x + 1.
     const STEPS: (f64, f64) = (0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
     ((0.5 + STEPS.0 * i as f64).fract(), (0.5 + STEPS.1 * i as f64).fract())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Neighbours, mirror images about the diagonal, and places on it have seeds of their own.
+    #[test]
+    fn pixels_have_different_seeds() {
+        let mut seeds: Vec<u32> = (0..256 * 256).map(|i| seed(i % 256, i / 256)).collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        // Of 65,536 numbers of 32 bits, about half of one pair meets by chance.
+        assert!(seeds.len() >= 256 * 256 - 4, "{}", seeds.len());
+    }
 }

@@ -33,8 +33,7 @@ pub enum LightSource {
         /// Its radius.
         radius: f64,
     },
-    /// From one side of a parallelogram that shines evenly, with the radiance π·colour / area, to the side to which
-    /// edges\[0\] × edges\[1\] points.
+    /// From both sides of a parallelogram that shines evenly, with the radiance π·colour / area.
     Rectangle {
         /// One of its corners.
         corner: DVec3,
@@ -131,9 +130,8 @@ impl Light {
         Self::from_source(LightSource::Sphere { centre, radius }, colour)
     }
 
-    /// A parallelogram that shines evenly to the side of edges\[0\] × edges\[1\], that casts soft shadows. From far away,
-    /// on its axis, it is a point light of this colour, and to its side weaker by the cosine; its radiance is
-    /// π·colour / area.
+    /// A parallelogram that shines evenly to both sides, that casts soft shadows. From far away, on its axis, it is a point
+    /// light of this colour, before and behind it, and to its side weaker by the cosine; its radiance is π·colour / area.
     ///
     /// # Errors
     /// A corner that is not finite, edges that span no area, a colour that is negative or not finite.
@@ -205,7 +203,7 @@ impl Light {
 
     /// What arrives at a point from one place on the light if nothing blocks it. `u` and `v`, both from 0 to 1, choose the
     /// place of area lights; the mean over both is all that arrives, each from its own direction. Nothing at the very
-    /// place of a point light, inside of a sphere, and behind a rectangle.
+    /// place of a point light, inside of a sphere, and in the plane of a rectangle.
     pub fn sample(&self, point: DVec3, (u, v): (f64, f64)) -> Option<Illumination> {
         match self.source {
             LightSource::Directional { .. } | LightSource::Point { .. } => self.at(point),
@@ -213,7 +211,7 @@ impl Light {
             LightSource::Rectangle { corner, edges } => {
                 let place = corner + u * edges[0] + v * edges[1];
                 let (to_light, distance) = ((place - point).try_normalize()?, point.distance(place));
-                let cosine = -to_light.dot(edges[0].cross(edges[1]).normalize());
+                let cosine = to_light.dot(edges[0].cross(edges[1]).normalize()).abs();
                 let colour = self.colour * (cosine / (distance * distance));
                 (cosine > 0.0).then_some(Illumination { to_light, distance, colour })
             }
@@ -246,7 +244,7 @@ impl Light {
         Some(Illumination { to_light, distance: apart * cosine - half, colour })
     }
 
-    /// The first place where a ray meets an area light from the side that shines, and the light that it sends back along
+    /// The first place where a ray meets an area light from outside, and the light that it sends back along
     /// the ray: distance and radiance.
     pub fn hit(&self, origin: DVec3, direction: DVec3) -> Option<(f64, Rgb)> {
         let (t, per_radiance) = match self.source {
@@ -266,7 +264,7 @@ impl Light {
                 let area_squared = normal.length_squared();
                 let (u, v) =
                     (place.cross(b).dot(normal) / area_squared, a.cross(place).dot(normal) / area_squared);
-                let inside = facing > 0.0 && (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v);
+                let inside = facing != 0.0 && (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v);
                 (if inside { t } else { f64::NAN }, area_squared.sqrt() / PI)
             }
         };
@@ -388,7 +386,10 @@ mod tests {
         let form_factor = 4.0 / PI / 2f64.sqrt() * (1.0 / 2f64.sqrt()).atan();
         let expected = PI * form_factor;
         assert!((arriving(&light, DVec3::ZERO, DVec3::Z).x - expected).abs() < 1e-4);
-        assert_eq!(light.sample(DVec3::new(0.0, 0.0, 2.0), (0.5, 0.5)), None);
+        // The other side is as bright; seen edge on, it is nothing.
+        let behind = arriving(&light, DVec3::new(0.0, 0.0, 2.0), -DVec3::Z);
+        assert!((behind.x - expected).abs() < 1e-4);
+        assert_eq!(light.sample(DVec3::new(3.0, 0.0, 1.0), (0.5, 0.5)), None);
     }
 
     #[test]
@@ -400,7 +401,8 @@ mod tests {
         let sheet = Light::rectangle(DVec3::ZERO, [DVec3::X, 2.0 * DVec3::Y], DVec3::ONE).unwrap();
         assert_eq!(sheet.hit(DVec3::new(0.5, 1.9, 1.0), -DVec3::Z), Some((1.0, DVec3::splat(PI / 2.0))));
         assert_eq!(sheet.hit(DVec3::new(0.5, 2.1, 1.0), -DVec3::Z), None);
-        assert_eq!(sheet.hit(DVec3::new(0.5, 1.9, -1.0), DVec3::Z), None);
+        assert_eq!(sheet.hit(DVec3::new(0.5, 1.9, -1.0), DVec3::Z), Some((1.0, DVec3::splat(PI / 2.0))));
+        assert_eq!(sheet.hit(DVec3::new(0.5, 1.9, -1.0), DVec3::X), None);
         assert!(!sheet.is_visible() && sheet.with_visible(true).is_visible());
         assert!(sheet.with_samples(0).is_err() && sheet.with_samples(16).unwrap().samples() == 16);
     }

@@ -157,6 +157,11 @@ impl Facets {
         [self.leave(rough, chosen), None]
     }
 
+    /// Whether the ray onward is chosen by chance.
+    pub(crate) fn is_rough(&self) -> bool {
+        self.rough.is_some()
+    }
+
     /// A ray from a facet into the world, unless another facet is in its way.
     fn leave(&self, rough: &Rough, chosen: Onward) -> Option<Onward> {
         let to = chosen.direction;

@@ -114,6 +114,11 @@ impl Scatter {
         !matches!(self, Self::Unlit(_))
     }
 
+    /// Whether the ray onward is chosen by chance, and perhaps none is.
+    pub(crate) fn is_rough(&self) -> bool {
+        matches!(self, Self::Facets(facets) if facets.is_rough())
+    }
+
     /// The rays from which more light comes: at most two.
     pub(crate) fn onward(&self, chance: Chance) -> [Option<Onward>; 2] {
         match self {
