@@ -14,15 +14,20 @@ use std::io::Write as _;
 
 /// Prints what is in a model or a scene.
 pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
-    if let Some(path) = arguments.model.scene() {
-        return print(&scene::report(arguments, path)?);
-    }
-    let loaded = arguments.model.load().inspect_err(|failure| {
+    let tell = |failure: &Failure| {
         if let (true, Failure::Model(diagnostics)) = (arguments.json, failure) {
             // The errors go to standard error too, and decide how the program ends.
             let _ = print_json(&json::Errors::new(diagnostics));
         }
-    })?;
+    };
+    if let Some(path) = arguments.model.scene() {
+        let (document, found) = scene::read(arguments, path).inspect_err(tell)?;
+        if arguments.json {
+            return print_json(&json::SceneReport::new(&document, &found));
+        }
+        return print(&scene::report(&document, &found));
+    }
+    let loaded = arguments.model.load().inspect_err(tell)?;
     let inputs = arguments.model.inputs();
     let bindings = inputs.bindings(&loaded.model)?;
     let found = solid_bounds(&loaded.model.field, &bindings);

@@ -4,8 +4,8 @@ mod nrrd;
 mod points;
 mod raw;
 
+use crate::load::open_regular;
 use fieldstone_solids::{PointError, VoxelArray, VoxelError};
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -75,7 +75,7 @@ impl DataError {
 /// The bytes of a file.
 fn read(path: &Path) -> Result<Vec<u8>, DataError> {
     let unreadable = |reason| DataError::Unreadable { path: path.to_owned(), reason };
-    let file = File::open(path).map_err(unreadable)?;
+    let file = open_regular(path).map_err(unreadable)?;
     read_limited(path, file)
 }
 

@@ -124,14 +124,22 @@ fn of_bearable_size(loaded: Loaded) -> Result<Loaded, Diagnostics> {
     Err(Diagnostics { source: loaded.source, list: vec![error.with_help(help)] })
 }
 
+/// Opens a regular file. A pipe or a device may never end, or never begin: it is refused before it is opened.
+pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
+    if std::fs::metadata(path)?.is_file() {
+        return File::open(path);
+    }
+    Err(io::Error::other("it is a folder, a pipe or a device, not a file"))
+}
+
 pub(crate) fn read_text(path: &Path) -> Result<String, LoadError> {
     let unreadable = |reason: io::Error| match reason.kind() {
         io::ErrorKind::NotFound => LoadError::NotFound(path.to_owned()),
         _ => LoadError::Unreadable { path: path.to_owned(), reason },
     };
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(unreadable)?;
-    // One byte more than allowed, and not the length that the file system names: pipes have none.
+    let file = open_regular(path).map_err(unreadable)?;
+    // One byte more than allowed, and not the length that the file system names: it may change.
     file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(LoadError::TooLarge(path.to_owned()));

@@ -1,5 +1,6 @@
 //! Pictures from files: environments, and what hangs on walls.
 
+use crate::load::open_regular;
 use exr::meta::MetaData;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use fieldstone_scene::{Image, ImageError, MAX_IMAGE_PIXELS, srgb_to_linear};
@@ -52,7 +53,7 @@ pub enum PictureFileError {
 pub fn read_picture(path: &Path) -> Result<Image, PictureFileError> {
     let failed = |reason| PictureFileError::File { path: path.to_owned(), reason };
     let content = |reason: String| PictureFileError::Content { path: path.to_owned(), reason };
-    let mut file = BufReader::new(File::open(path).map_err(failed)?);
+    let mut file = BufReader::new(open_regular(path).map_err(failed)?);
     let mut start = [0; 4];
     let is_exr = file.read_exact(&mut start).is_ok() && start == EXR;
     file.rewind().map_err(failed)?;

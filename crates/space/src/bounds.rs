@@ -305,6 +305,11 @@ impl<'t> Search<'t> {
         let ranges = self.ranges(batch);
         let centres: Vec<[f64; 3]> = batch.iter().map(Cell::centre).collect();
         let mut grown: Vec<[f64; 3]> = self.negative(&centres);
+        if let Some(hull) = self.hull {
+            // Of a cell that the solid only enters, the side towards the hull is in it before the middle is.
+            let sides: Vec<[f64; 3]> = batch.iter().map(|cell| hull.side_towards(cell)).collect();
+            grown.extend(self.negative(&sides));
+        }
         for (cell, &(lo, hi)) in batch.iter().zip(&ranges) {
             if hi < 0.0 {
                 self.finding.any_value = true;

@@ -2,8 +2,8 @@
 //! meaning or absence changes only with [`SCHEMA`].
 
 use fieldstone::{
-    Bindings, Diagnostic, Diagnostics, Extent, FileSign, FoundBounds, Input, Inputs, Loaded, Model, Severity,
-    Source, UpAxis, Warning,
+    Bindings, Diagnostic, Diagnostics, Document, Extent, FileSign, FoundBounds, Input, Inputs, Loaded, Model,
+    Projection, ResolvedDocument, Severity, Solid, Source, UpAxis,
 };
 use serde::Serialize;
 
@@ -60,6 +60,48 @@ struct Bounds {
     proved: bool,
 }
 
+/// What is in a scene.
+#[derive(Serialize)]
+pub(super) struct SceneReport {
+    schema: u32,
+    source: String,
+    /// The names of the parameters.
+    parameters: Vec<String>,
+    objects: Vec<SceneObject>,
+    lights: usize,
+    environment: bool,
+    bounds: SceneBounds,
+    camera: SceneCamera,
+    size: [u32; 2],
+    samples: u32,
+    unused: Vec<String>,
+    warnings: Vec<Message>,
+}
+
+#[derive(Serialize)]
+struct SceneObject {
+    name: String,
+    operations: usize,
+    parts: Vec<String>,
+    conditions: usize,
+    copies: usize,
+}
+
+#[derive(Serialize)]
+struct SceneBounds {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct SceneCamera {
+    eye: [f64; 3],
+    /// Degrees from the lower to the upper edge; `null` of a parallel view.
+    fov: Option<f64>,
+    /// The height of a parallel view.
+    ortho: Option<f64>,
+}
+
 /// Why a model cannot be read.
 #[derive(Serialize)]
 pub(super) struct Errors {
@@ -104,6 +146,47 @@ impl Report {
             operations: model.field.operation_count(),
             bounds: Bounds::new(found),
             warnings: of_text.chain(of_bounds).collect(),
+        }
+    }
+}
+
+impl SceneReport {
+    pub(super) fn new(document: &Document, found: &ResolvedDocument) -> Self {
+        let scene = &found.resolved.scene;
+        let mut copies = vec![0; scene.solids().len()];
+        scene.instances().iter().for_each(|instance| copies[instance.solid()] += 1);
+        let object = |((name, solid), copies): ((&String, &Solid), usize)| SceneObject {
+            name: name.clone(),
+            operations: solid.field().operation_count(),
+            parts: solid.parts().iter().map(|part| part.name.clone()).collect(),
+            conditions: solid.conditions().len(),
+            copies,
+        };
+        let (bounds, camera, settings) = (scene.bounds(), scene.camera(), scene.settings());
+        let (fov, ortho) = match camera.projection() {
+            Projection::Perspective { vertical_fov_radians } => {
+                (Some(vertical_fov_radians.to_degrees()), None)
+            }
+            Projection::Orthographic { height } => (None, Some(height)),
+        };
+        // What is said of files shows their text below the first line.
+        let first_line = |message: &String| {
+            let line = message.lines().next().unwrap_or_default();
+            Message::without_place(line.strip_prefix("warning: ").unwrap_or(line))
+        };
+        Self {
+            schema: SCHEMA,
+            source: document.source().name.clone(),
+            parameters: document.parameter_names().map(str::to_owned).collect(),
+            objects: found.objects.iter().zip(scene.solids()).zip(copies).map(object).collect(),
+            lights: scene.lighting().lights.len(),
+            environment: scene.lighting().environment.is_some(),
+            bounds: SceneBounds { min: bounds.min().to_array(), max: bounds.max().to_array() },
+            camera: SceneCamera { eye: camera.eye().to_array(), fov, ortho },
+            size: settings.size.into(),
+            samples: settings.samples,
+            unused: document.unused(),
+            warnings: found.messages.iter().map(first_line).collect(),
         }
     }
 }
@@ -182,7 +265,7 @@ impl Message {
         }
     }
 
-    fn without_place(warning: &Warning) -> Self {
+    fn without_place(warning: &(impl ToString + ?Sized)) -> Self {
         let none = None;
         let message = warning.to_string();
         Self { message, line: none, column: none, end_line: none, end_column: none, label: None, help: None }

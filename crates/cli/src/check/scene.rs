@@ -3,23 +3,23 @@
 use super::numbers;
 use crate::arguments::CheckArguments;
 use crate::failure::Failure;
-use fieldstone::{Bounds, FileAccess, Projection, ResolvedDocument, Solid};
+use fieldstone::{Bounds, Document, FileAccess, Projection, ResolvedDocument, Solid};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The report of a scene file.
-pub(super) fn report(arguments: &CheckArguments, path: &Path) -> Result<String, Failure> {
-    if arguments.json {
-        return Err(Failure::Usage(
-            "--json is for models; the JSON Schema of scenes is printed by schema".to_owned(),
-        ));
-    }
+/// Reads a scene file and resolves it.
+pub(super) fn read(arguments: &CheckArguments, path: &Path) -> Result<(Document, ResolvedDocument), Failure> {
     let access = FileAccess { folders: arguments.allow_read.clone(), outside: arguments.allow_outside };
     let document = arguments.model.load_scene(path, &access)?;
     let found = document.resolve(&arguments.model.scene_request(&document)?)?;
+    Ok((document, found))
+}
+
+/// The report of a scene file.
+pub(super) fn report(document: &Document, found: &ResolvedDocument) -> String {
     let mut lines: Vec<(&str, String)> =
         document.parameter_names().map(|name| ("parameter", name.to_owned())).collect();
-    lines.extend(objects(&found));
+    lines.extend(objects(found));
     let scene = &found.resolved.scene;
     let lighting = scene.lighting();
     let around = if lighting.environment.is_some() { ", and an environment" } else { "" };
@@ -36,6 +36,7 @@ pub(super) fn report(arguments: &CheckArguments, path: &Path) -> Result<String, 
     lines.push(("camera", format!("{:.4},{:.4},{:.4}, {lens}", eye.x, eye.y, eye.z)));
     let (width, height) = scene.settings().size;
     lines.push(("picture", format!("{width}x{height}, {} samples", scene.settings().samples)));
+    lines.extend(document.unused().into_iter().map(|what| ("unused", what)));
     let mut report = String::new();
     for (name, text) in lines {
         // Writing to a string cannot fail.
@@ -44,7 +45,7 @@ pub(super) fn report(arguments: &CheckArguments, path: &Path) -> Result<String, 
     for message in &found.messages {
         let _ = writeln!(report, "\n{message}");
     }
-    Ok(report)
+    report
 }
 
 fn objects(found: &ResolvedDocument) -> Vec<(&'static str, String)> {

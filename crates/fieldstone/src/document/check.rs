@@ -1,7 +1,7 @@
 //! Whether a document has the shape of a scene, by the table of keys.
 
 use super::keys::{FACE, MOTION, SCENE, SOLID, Section, Shape, TEXTURE};
-use super::tree::{Kind, Table, Value};
+use super::tree::{Entry, Kind, Table, Value};
 use fieldstone_lang::Diagnostic;
 
 /// A document with more errors than these has another problem.
@@ -106,7 +106,8 @@ impl Check {
                 Some(table) if table.get("attributes").is_some() => self.section(table, &TEXTURE),
                 _ => self.number(value, key),
             },
-            Shape::ColourChannel => match value.table() {
+            Shape::LightChannel if matches!(value.kind, Kind::Number(_)) => {}
+            Shape::ColourChannel | Shape::LightChannel => match value.table() {
                 Some(table) if !is_keyed(table) => self.section(table, &TEXTURE),
                 _ => self.colour(value, key),
             },
@@ -131,8 +132,21 @@ impl Check {
                 None => self.expect(false, value, key, "a table"),
             },
             Shape::List(inner) => {
-                let list = value.list().filter(|list| !list.is_empty());
-                self.expect(list.is_some(), value, key, "a list with something in it");
+                let list = value.list();
+                match list {
+                    None if matches!(inner, Shape::Face) => {
+                        let message = format!("`{key}` is a list, not {}", value.describe());
+                        let error = value.error(message, "expected a list");
+                        self.errors
+                            .push(error.with_help("six, in this order: right, left, up, down, front, back"));
+                    }
+                    None => self.expect(false, value, key, "a list"),
+                    Some([]) => {
+                        let message = format!("`{key}` is an empty list");
+                        self.errors.push(value.error(message, "expected something in it"));
+                    }
+                    Some(_) => {}
+                }
                 list.into_iter().flatten().for_each(|element| self.value(element, inner, key));
             }
             Shape::OneOrMany(inner) => {
@@ -174,7 +188,8 @@ impl Check {
             }
             Kind::Table(table) => {
                 for entry in self.keys(table) {
-                    if entry.value.table().is_some() {
+                    if self.dotted(entry) {
+                    } else if entry.value.table().is_some() {
                         self.expect(false, &entry.value, key, "a list of numbers");
                     } else {
                         self.numbers(&entry.value, key, count);
@@ -198,7 +213,8 @@ impl Check {
     fn keyed(&mut self, table: &Table, key: &str, shape: &'static Shape) {
         for entry in self.keys(table) {
             let is_keyed_again = entry.value.table().is_some_and(|t| t.get("linear").is_none());
-            if is_keyed_again {
+            if self.dotted(entry) {
+            } else if is_keyed_again {
                 self.expect(false, &entry.value, key, "a value at this time");
             } else {
                 self.value(&entry.value, shape, key);
@@ -206,8 +222,24 @@ impl Check {
         }
     }
 
+    /// What may be meant by `0.5 = 2`, which TOML takes for a table under the key 0.
+    fn dotted(&mut self, entry: &Entry) -> bool {
+        let Some(table) = entry.value.table() else { return false };
+        let is_digits = |key: &str| !key.is_empty() && key.bytes().all(|b| b.is_ascii_digit());
+        match table.entries.as_slice() {
+            [only] if is_digits(&only.key) && is_digits(entry.key.trim_start_matches('-')) => {
+                let message = "a time with a point stands in quotes";
+                let span = entry.key_span.start..only.key_span.end;
+                let error = Diagnostic::error(span, message, "a key of a key in TOML");
+                self.errors.push(error.with_help(format!("write \"{}.{}\" = …", entry.key, only.key)));
+                true
+            }
+            _ => false,
+        }
+    }
+
     /// The entries of a keyed value that are keys; what is wrong with the others is said.
-    fn keys<'t>(&mut self, table: &'t Table) -> Vec<&'t super::tree::Entry> {
+    fn keys<'t>(&mut self, table: &'t Table) -> Vec<&'t Entry> {
         let mut keys = Vec::new();
         for entry in &table.entries {
             if entry.key == "interpolation" {

@@ -96,6 +96,11 @@ impl<'n, 'd> Composer<'n, 'd> {
         }
     }
 
+    /// Says which solid is being composed.
+    pub(super) fn begin(&mut self, name: &str) {
+        self.open.push(name.to_owned());
+    }
+
     /// The space of the object.
     pub(super) fn space(&mut self) -> Space {
         let point = [0, 1, 2].map(|k| self.graph.input(Input::Coordinate(k)));
@@ -289,10 +294,9 @@ impl<'n, 'd> Composer<'n, 'd> {
         Ok(Built { value, tree: Tree::Intersection(trees) })
     }
 
-    /// Cut by planes, whose faces are parts of their own.
+    /// Cut by planes. A cut with a material is a part of its own; without, it is of the parts that it goes through.
     fn cut(&mut self, built: Built, sections: &'d Value, space: &Space, look: Look<'d>) -> Outcome<Built> {
-        let Built { mut value, tree } = built;
-        let mut trees = vec![tree];
+        let Built { mut value, mut tree } = built;
         for section in sections.one_or_many() {
             let table = section.table();
             let get = |key: &str| table.and_then(|table| table.get(key));
@@ -305,12 +309,45 @@ impl<'n, 'd> Composer<'n, 'd> {
                 .ok_or_else(|| normal.error("a normal has a length", "no direction"))?;
             let offset = get("offset").map_or(Ok(0.0), |offset| self.numbers.number(offset))?;
             let plane = self.linear(space.point, unit, -offset);
-            let material = get("material").or(look.material);
-            let face = self.leaf("section", plane, (space, Look { material, back: None }, &[]))?;
             value = self.graph.max(value, plane);
-            trees.push(face.tree);
+            tree = match get("material") {
+                Some(material) => {
+                    let look = Look { material: Some(material), back: None };
+                    let face = self.leaf("section", plane, (space, look, &[]))?;
+                    Tree::Intersection(vec![tree, face.tree])
+                }
+                None => self.parted(tree, plane, (space, look))?,
+            };
         }
-        Ok(Built { value, tree: Tree::Intersection(trees) })
+        Ok(Built { value, tree })
+    }
+
+    /// A tree below a plane in which the parts themselves end at the plane, so that the cut is of what it goes through.
+    /// What is only the complement of others has no part of its own that could end: there the plane is one.
+    fn parted(&mut self, tree: Tree, plane: NodeId, at: (&Space, Look<'d>)) -> Outcome<Tree> {
+        Ok(match tree {
+            Tree::Part(part) => {
+                self.parts[part].field = self.graph.max(self.parts[part].field, plane);
+                tree
+            }
+            Tree::Union(trees) => {
+                let trees = trees.into_iter().map(|tree| self.parted(tree, plane, at));
+                Tree::Union(trees.collect::<Outcome<_>>()?)
+            }
+            Tree::Intersection(mut trees) if trees.iter().any(|tree| !is_complement(tree)) => {
+                // One that ends there is enough; the cut is of the first.
+                if let Some(first) = trees.iter_mut().find(|tree| !is_complement(tree)) {
+                    let whole = std::mem::replace(first, Tree::Union(Vec::new()));
+                    *first = self.parted(whole, plane, at)?;
+                }
+                Tree::Intersection(trees)
+            }
+            other => {
+                let look = Look { back: None, ..at.1 };
+                let face = self.leaf("section", plane, (at.0, look, &[]))?;
+                Tree::Intersection(vec![other, face.tree])
+            }
+        })
     }
 
     /// The parts from `first` on as one, if nothing tells them apart.
@@ -475,7 +512,7 @@ impl<'n, 'd> Composer<'n, 'd> {
     }
 
     /// A named field of the scene in a space.
-    fn field(&mut self, name: &str, used_at: &Value, space: &Space) -> Outcome<NodeId> {
+    pub(super) fn field(&mut self, name: &str, used_at: &Value, space: &Space) -> Outcome<NodeId> {
         let key = (name.to_owned(), space.point);
         if let Some(&node) = self.fields.get(&key) {
             return Ok(node);
@@ -560,6 +597,11 @@ fn source<'t>(value: &Value, table: &'t Table) -> Outcome<&'t super::tree::Entry
             Err(error.with_help(one_of).into())
         }
     }
+}
+
+/// Whether a tree is the complement of others.
+fn is_complement(tree: &Tree) -> bool {
+    matches!(tree, Tree::Complement(_))
 }
 
 /// Keys of objects have no meaning in parts of others.

@@ -84,7 +84,7 @@ pub(super) fn check_name(name: &str) -> Result<(), (String, Option<String>)> {
 }
 
 /// The words of a text that may be names.
-fn words(text: &str) -> impl Iterator<Item = &str> {
+pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
     let is_letter = |c: char| c.is_alphanumeric() || c == '_';
     text.split(move |c| !is_letter(c))
         .map(|word| word.trim_start_matches(|c: char| c.is_ascii_digit()))

@@ -27,6 +27,8 @@ pub(super) enum Shape {
     Channel,
     /// A colour of a material, or a texture.
     ColourChannel,
+    /// The same, or a number for grey.
+    LightChannel,
     /// The name of a solid, or a table like those of solids.
     Solid,
     /// The name of a material.
@@ -76,8 +78,8 @@ const fn key(name: &'static str, shape: Shape, about: &'static str) -> Key {
 }
 
 use Shape::{
-    Channel, Choice, Colour, ColourChannel, Either, Face, File, Flag, Formula, List, Material, Matrix,
-    Motions, Named, Number, Numbers, OneOrMany, Solid, Table, Text, Whole,
+    Channel, Choice, Colour, ColourChannel, Either, Face, File, Flag, Formula, LightChannel, List, Material,
+    Matrix, Motions, Named, Number, Numbers, OneOrMany, Solid, Table, Text, Whole,
 };
 
 /// The keys that say what a solid is; it has exactly one.
@@ -109,7 +111,11 @@ pub(super) static SECTION: Section = Section {
     keys: &[
         key("normal", Numbers(3), "The direction of what is removed."),
         key("offset", Number, "The plane is normal·p = offset, for a normal of length 1; default: 0."),
-        key("material", Material, "The material of the cut; default: that of the solid."),
+        key(
+            "material",
+            Material,
+            "The material of the cut; default: those of the parts that it goes through.",
+        ),
     ],
 };
 
@@ -340,9 +346,9 @@ pub(super) static MATERIAL: Section = Section {
         key("reflection", Channel, "Blinn-Phong: the mirrored part, from 0 to 1; default: 0."),
         key("transmission", Channel, "The part of the rest that goes through, from 0 to 1; default: 0."),
         key("index", Channel, "Refractive index inside relative to outside, from 1 on; default: 1.5."),
-        key("absorption", ColourChannel, "Absorbed for each unit of length, linear, from 0 on; default: 0."),
+        key("absorption", LightChannel, "Absorbed for each unit of length, linear, from 0 on; default: 0."),
         key("opacity", Channel, "From 0 (invisible) to 1; default: 1."),
-        key("emission", ColourChannel, "Light that it gives off, from 0 on; default: 0."),
+        key("emission", LightChannel, "Light that it gives off, from 0 on; default: 0."),
     ],
 };
 
@@ -385,7 +391,7 @@ pub(super) static ENVIRONMENT: Section = Section {
         key("horizon", Colour, "gradient: the colour at the horizon."),
         key("nadir", Colour, "gradient: the colour below."),
         key("file", File, "image: latitude and longitude; PNG, HDR or EXR."),
-        key("faces", List(&Face), "cube, room: right, left, up, down, front, back."),
+        key("faces", List(&Face), "cube, room: a list of six: right, left, up, down, front, back."),
         key("bounds", Numbers(6), "room: x0, y0, z0, x1, y1, z1."),
         key("strength", Number, "Times the colours; default: 1."),
         key("visible", Flag, "Whether one sees it behind the solids; default: true."),
@@ -428,7 +434,11 @@ pub(super) static RENDER: Section = Section {
         key("accept_epsilon", Number, "interval: accepted without proof, relative to the longest side."),
         key("tolerance", Number, "How closely surfaces are located, relative to the longest side."),
         key("shadow_tolerance", Number, "The same for shadow rays; default: as for others."),
-        key("bounces", Whole(0, 64), "How often light is followed on; default: 8."),
+        key(
+            "bounces",
+            Whole(0, 64),
+            "How often light is followed on; 0: mirrors and glass are black; default: 8.",
+        ),
         key("exposure", Number, "Stops, in PNG files; default: 0."),
         key("tone_map", Choice(&TONE_MAPS), "How bright light is shown in PNG files; default: none."),
         key("time", Number, "Seconds; default: 0."),

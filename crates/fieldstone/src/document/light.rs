@@ -51,7 +51,8 @@ fn background(numbers: &Numbers<'_>) -> Outcome<Background> {
 fn light(numbers: &Numbers<'_>, value: &Value) -> Outcome<Light> {
     let table = value.table().unwrap_or(&EMPTY);
     let kind = required(value, table, "kind")?;
-    let strength = table.get("strength").map_or(Ok(1.0), |v| numbers.ranged(v, (0.0, 1e30, "from 0 on")))?;
+    let strength =
+        table.get("strength").map_or(Ok(1.0), |v| numbers.ranged(v, (0.0, 1e30, "from 0 to 1e30")))?;
     let colour = strength * table.get("colour").map_or(Ok(DVec3::ONE), |colour| numbers.colour(colour))?;
     let vector =
         |key: &str| -> Outcome<DVec3> { Ok(numbers.numbers::<3>(required(value, table, key)?)?.into()) };

@@ -4,7 +4,7 @@ use super::check::is_keyed;
 use super::compose::{Composer, Space};
 use super::expression::Names;
 use super::fault::{Fault, Outcome};
-use super::tree::{EMPTY, Kind, Table, Value};
+use super::tree::{EMPTY, Entry, Kind, Table, Value};
 use fieldstone_field::NodeId;
 use fieldstone_scene::{Appearance, Channel, Material, Shading, srgb_to_linear};
 
@@ -49,11 +49,25 @@ impl<'d> Composer<'_, 'd> {
             });
         };
         let entry = self.numbers.document().named("materials", name)?;
+        self.material_of(entry, space, Some(attributes))
+    }
+
+    /// A material of the scene in a space; `attributes` are those of the model that it is for, if that is known.
+    pub(super) fn material_of(
+        &mut self,
+        entry: &'d Entry,
+        space: &Space,
+        attributes: Option<&[NodeId]>,
+    ) -> Outcome<MaterialDraft> {
         let table = entry.value.table().unwrap_or(&EMPTY);
         let mut draft = MaterialDraft { base: model(table), textures: Vec::new() };
         for channel in Channel::ALL {
             let Some(value) = table.get(channel.name()) else { continue };
-            match self.content(value, channel, (space, attributes))? {
+            let takes_attributes = value.table().is_some_and(|table| table.get("attributes").is_some());
+            if attributes.is_none() && takes_attributes {
+                continue;
+            }
+            match self.content(value, channel, (space, attributes.unwrap_or_default()))? {
                 Content::Constant(numbers) => {
                     draft.base = draft.base.with_channel(channel, numbers);
                     Material::of(draft.base)
@@ -77,14 +91,30 @@ impl<'d> Composer<'_, 'd> {
                 Ok(Content::Constant(self.numbers.numbers(value)?))
             }
             Kind::Text(_) if !is_colour => {
-                let node = self.formula(value, at.0, OVER_SURFACES)?;
+                let node = self.texture(value, at.0)?;
                 Ok(match self.graph.constant_value(node) {
                     Some(number) => Content::Constant([number, 0.0, 0.0]),
                     None => Content::Texture(vec![node], false),
                 })
             }
+            // One number for all three is grey.
+            Kind::Number(_) if channel != Channel::Colour && is_colour => {
+                Ok(Content::Constant([self.numbers.number(value)?; 3]))
+            }
             _ if is_colour => Ok(Content::Constant(self.numbers.colour(value)?.to_array())),
             _ => Ok(Content::Constant([self.numbers.number(value)?, 0.0, 0.0])),
+        }
+    }
+
+    /// A formula over a surface, which has a value somewhere.
+    fn texture(&mut self, value: &'d Value, space: &Space) -> Outcome<NodeId> {
+        let node = self.formula(value, space, OVER_SURFACES)?;
+        match self.graph.constant_value(node) {
+            Some(number) if !number.is_finite() => {
+                let message = format!("this texture is {number} everywhere, not a finite number");
+                Err(value.error(message, "not finite").into())
+            }
+            _ => Ok(node),
         }
     }
 
@@ -116,7 +146,7 @@ impl<'d> Composer<'_, 'd> {
             let srgb = channel == Channel::Colour;
             let mut nodes = Vec::new();
             for formula in [red, green, blue] {
-                nodes.push(self.formula(formula, space, OVER_SURFACES)?);
+                nodes.push(self.texture(formula, space)?);
             }
             let constants: Vec<f64> = nodes.iter().filter_map(|n| self.graph.constant_value(*n)).collect();
             return Ok(match constants.try_into() {
@@ -131,7 +161,7 @@ impl<'d> Composer<'_, 'd> {
             return Err(Fault::from(error.with_help(help)));
         };
         let (from, to) = (self.numbers.colour(from)?.to_array(), self.numbers.colour(to)?.to_array());
-        let by = self.formula(by, space, OVER_SURFACES)?;
+        let by = self.texture(by, space)?;
         let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
         let above = self.graph.max(by, zero);
         let share = self.graph.min(above, one);

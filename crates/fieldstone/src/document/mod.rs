@@ -22,6 +22,8 @@ mod operation;
 mod primitive;
 mod schema;
 mod tree;
+mod unused;
+mod usage;
 mod view;
 
 pub use files::FileAccess;
@@ -41,7 +43,8 @@ use tree::{Entry, Table, Value};
 const MAX_DEPTH: usize = 64;
 /// A larger text is no scene file: 4 MiB.
 const MAX_BYTES: usize = 4 << 20;
-/// How many solids an object may be composed of, each counted as often as it is used.
+/// How many solids and objects a scene may have, and how many solids an object may be composed of, each counted as often
+/// as it is used.
 const MAX_SOLIDS: usize = 10_000;
 /// How many copies of an object there may be.
 const MAX_INSTANCES: usize = 100_000;
@@ -109,6 +112,7 @@ impl Document {
         }
         let root = tree::parse(&source.text).map_err(|error| failed(vec![error]))?;
         let mut errors = check::check(&root);
+        errors.extend(check_count(&root));
         if errors.is_empty() {
             errors.extend(check_names(&root));
         }
@@ -147,6 +151,7 @@ impl Document {
         let settings = view::settings(&numbers, request)?;
         let mut stage = object::Stage::new(&numbers);
         stage.fill()?;
+        unused::check(&numbers)?;
         let up = if stage.is_y_up() { fieldstone_scene::Up::Y } else { fieldstone_scene::Up::Z };
         let camera = view::camera(&numbers, request, (&stage.bounds()?, up), settings.size)?;
         let lighting = light::lighting(&numbers, &camera)?;
@@ -194,6 +199,24 @@ impl Document {
                 .into()
         })
     }
+}
+
+/// A scene of more solids or objects than there may be.
+fn check_count(root: &Table) -> Option<Diagnostic> {
+    let message = |what: &str, count: usize| format!("a scene has at most {MAX_SOLIDS} {what}, not {count}");
+    let solids = root.entries_of("solids");
+    if let Some(first) = solids.get(MAX_SOLIDS) {
+        let message = message("solids", solids.len());
+        return Some(Diagnostic::error(first.key_span.clone(), message, "one too many"));
+    }
+    let objects = root.get("objects").and_then(Value::list).unwrap_or_default();
+    let first = objects.get(MAX_SOLIDS)?;
+    let error = Diagnostic::error(
+        first.span.start..first.span.start,
+        message("objects", objects.len()),
+        "one too many",
+    );
+    Some(error.with_help("copies of one solid are one object with `instances`, `scatter` or `grid`"))
 }
 
 /// Names of parameters and fields that formulas could not use.

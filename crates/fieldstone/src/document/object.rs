@@ -5,14 +5,16 @@ use super::fault::{Fault, Outcome};
 use super::finish::Attributes;
 use super::motion::motions;
 use super::number::Numbers;
-use super::tree::{Table, Value};
+use super::tree::{Entry, Table, Value};
 use super::{MAX_ALL_INSTANCES, MAX_INSTANCES, view};
 use crate::extent::{Wanted, find_bounds};
 use crate::request::Warning;
-use fieldstone_field::{Bindings, Field, NodeId};
+use fieldstone_field::{Bindings, Field, Graph, NodeId};
 use fieldstone_lang::{Diagnostic, Presentation};
-use fieldstone_scene::{Ball, Bounds, Condition, Instance, Solid};
+use fieldstone_scene::{Ball, Bounds, BoundsError, Condition, Instance, Solid};
 use glam::{DAffine3, DQuat, DVec3};
+use rayon::prelude::*;
+use std::collections::HashSet;
 
 /// The objects of a scene on their way.
 pub(super) struct Stage<'n, 'd> {
@@ -34,7 +36,67 @@ struct Placed<'d> {
     solid: &'d Value,
 }
 
+/// An object whose bounds are not known yet.
+struct Draft {
+    graph: Graph,
+    parts: Vec<PartDraft>,
+    fuel: Option<u32>,
+    ups: (bool, bool),
+    built: Built,
+    conditions: Vec<(NodeId, bool)>,
+    surface: bool,
+    ball: Option<Ball>,
+    /// Those that the scene gives.
+    bounds: Option<Bounds>,
+    /// The motion of each copy.
+    copies: Vec<DAffine3>,
+}
+
+/// A search for the places where the surface of an object may be seen.
+struct Search {
+    field: Field,
+    surface: bool,
+    ball: Option<Ball>,
+}
+
+impl Draft {
+    /// What has to be searched, if the scene does not give the bounds.
+    fn search(&self) -> Option<Search> {
+        if self.bounds.is_some() {
+            return None;
+        }
+        let mut graph = self.graph.clone();
+        let mut sought = self.built.value;
+        if self.surface && !self.conditions.is_empty() {
+            let (size, least) = (graph.abs(sought), graph.constant(f64::MIN_POSITIVE));
+            sought = graph.sub(size, least);
+        }
+        for &(node, positive) in &self.conditions {
+            let outside = if positive { graph.neg(node) } else { node };
+            sought = graph.max(sought, outside);
+        }
+        let field = Field::new(graph, sought, Vec::new());
+        let field = match self.fuel {
+            Some(fuel) => field.with_fuel(fuel),
+            None => field,
+        };
+        Some(Search { field, surface: self.surface && self.conditions.is_empty(), ball: self.ball })
+    }
+}
+
+impl Search {
+    fn find(&self) -> Result<(Bounds, Option<Warning>), BoundsError> {
+        let (bindings, clip) = (Bindings::new(), self.ball.as_ref());
+        find_bounds(&Wanted { field: &self.field, bindings: &bindings, surface: self.surface, clip })
+    }
+}
+
 impl<'d> Placed<'d> {
+    /// A solid that is an object itself.
+    fn of_solid(entry: &'d Entry) -> Self {
+        Self { name: entry.key.clone(), object: None, solid: &entry.value }
+    }
+
     /// A key of the object, or else of its solid.
     fn get(&self, key: &str) -> Option<&'d Value> {
         let of_solid = || self.solid.table().and_then(|table| table.get(key));
@@ -69,8 +131,30 @@ impl<'n, 'd> Stage<'n, 'd> {
         all.ok_or_else(|| Diagnostic::error(0..0, "there is no solid", "nothing to draw").into())
     }
 
-    /// Composes all objects.
+    /// Composes all objects, finds their bounds, and makes sure that what no object uses means something too.
     pub(super) fn fill(&mut self) -> Outcome<()> {
+        let placed = self.objects_of_scene()?;
+        let drafts = placed.iter().map(|object| self.draft(object)).collect::<Outcome<Vec<_>>>()?;
+        self.check_unused(&placed)?;
+        // The search is the dear part of a scene of many solids, and knows nothing of the document.
+        let searches: Vec<Option<Search>> = drafts.iter().map(Draft::search).collect();
+        let found: Vec<_> = searches.par_iter().map(|search| search.as_ref().map(Search::find)).collect();
+        for ((placed, draft), found) in placed.iter().zip(drafts).zip(found) {
+            let bounds = match found {
+                None => None,
+                Some(found) => {
+                    let (bounds, warning) = found.map_err(|error| placed.error(error.to_string()))?;
+                    self.warnings.extend(warning.map(|warning| (placed.name.clone(), warning)));
+                    Some(bounds)
+                }
+            };
+            self.add(placed, draft, bounds)?;
+        }
+        Ok(())
+    }
+
+    /// The objects, or the solids that no other uses.
+    fn objects_of_scene(&self) -> Outcome<Vec<Placed<'d>>> {
         let document = self.numbers.document();
         let mut placed = Vec::new();
         match document.root.get("objects").and_then(Value::list) {
@@ -80,11 +164,8 @@ impl<'n, 'd> Stage<'n, 'd> {
                 }
             }
             None => {
-                let mut used = Vec::new();
+                placed.extend(document.loose_solids().into_iter().map(Placed::of_solid));
                 let solids = document.root.entries_of("solids");
-                solids.iter().for_each(|entry| collect_names(&entry.value, &mut used));
-                let unused = solids.iter().filter(|entry| !used.contains(&entry.key.as_str()));
-                placed.extend(unused.map(|e| Placed { name: e.key.clone(), object: None, solid: &e.value }));
                 if let (true, Some(first)) = (placed.is_empty(), solids.first()) {
                     let message = "every solid is part of another: there is a circle among them";
                     return Err(Diagnostic::error(first.key_span.clone(), message, "here").into());
@@ -95,7 +176,26 @@ impl<'n, 'd> Stage<'n, 'd> {
             let error = Diagnostic::error(0..0, "there is no solid in this scene", "nothing to draw");
             return Err(error.with_help("write [solids] and below it ball = \"x^2 + y^2 + z^2 - 1\"").into());
         }
-        placed.iter().try_for_each(|object| self.add(object))
+        Ok(placed)
+    }
+
+    /// Composes the solids that no object uses, so that their mistakes are told.
+    fn check_unused(&self, placed: &[Placed<'d>]) -> Outcome<()> {
+        let document = self.numbers.document();
+        let mut reached = HashSet::new();
+        placed.iter().for_each(|object| {
+            reached.insert(object.name.as_str());
+            document.reach(object.solid, &mut reached);
+        });
+        // Those that no other uses hold most of the rest; what is left then is in circles.
+        let loose = document.loose_solids();
+        for entry in loose.into_iter().chain(document.root.entries_of("solids")) {
+            if reached.insert(&entry.key) {
+                self.draft(&Placed::of_solid(entry))?;
+                document.reach(&entry.value, &mut reached);
+            }
+        }
+        Ok(())
     }
 
     fn placed(&self, value: &'d Value, number: usize) -> Outcome<Placed<'d>> {
@@ -114,56 +214,60 @@ impl<'n, 'd> Stage<'n, 'd> {
         Ok(Placed { name: entry.key.clone(), object, solid: &entry.value })
     }
 
-    fn add(&mut self, placed: &Placed<'d>) -> Outcome<()> {
+    /// An object but for its bounds.
+    fn draft(&self, placed: &Placed<'d>) -> Outcome<Draft> {
         let mut composer = Composer::new(self.numbers);
         let space = composer.space();
+        let named = self.numbers.document().entry("solids", &placed.name);
+        if named.is_some_and(|entry| std::ptr::eq(&raw const entry.value, placed.solid)) {
+            composer.begin(&placed.name);
+        }
         let look = Look { material: placed.get("material"), back: placed.get("back") };
         let built = match placed.solid.table() {
             Some(table) => composer.body(placed.solid, (table, &placed.name), &space, look)?,
             None => composer.definition(placed.solid, &placed.name, &space, look)?,
         };
         let conditions = conditions(&mut composer, placed, &space)?;
-        self.ups = (self.ups.0 || composer.ups.0, self.ups.1 || composer.ups.1);
-        let solid = self.solid(placed, composer, (built, conditions))?;
+        let shown = composer.shown.as_ref().filter(|_| is_file(placed.solid));
+        let ball = self.ball(placed, shown)?;
+        let surface = placed.flag("surface").unwrap_or(shown.is_some_and(|s| s.surface));
+        let bounds = placed.get("bounds").map(|value| view::bounds(self.numbers, value)).transpose()?;
         let from_solid = placed.solid.table().and_then(|table| table.get("transform"));
         let own = placed.object.and_then(|table| table.get("transform"));
         let motion =
             |value: Option<&'d Value>| value.map_or(Ok(DAffine3::IDENTITY), |v| motions(self.numbers, v));
         let base = motion(own)? * motion(from_solid)?;
+        let copies = self.copies(placed)?.into_iter().map(|copy| copy * base).collect();
+        let Composer { graph, parts, fuel, ups, .. } = composer;
+        Ok(Draft { graph, parts, fuel, ups, built, conditions, surface, ball, bounds, copies })
+    }
+
+    fn add(&mut self, placed: &Placed<'d>, draft: Draft, found: Option<Bounds>) -> Outcome<()> {
+        self.ups = (self.ups.0 || draft.ups.0, self.ups.1 || draft.ups.1);
         let number = self.solids.len();
-        let copies = self.copies(placed)?;
-        if self.instances.len() + copies.len() > MAX_ALL_INSTANCES {
+        if self.instances.len() + draft.copies.len() > MAX_ALL_INSTANCES {
             return Err(
                 placed.error(format!("a scene has at most {MAX_ALL_INSTANCES} copies of objects in all"))
             );
         }
-        for copy in copies {
-            let motion = copy * base;
+        for &motion in &draft.copies {
             let is_still = motion == DAffine3::IDENTITY;
             let instance =
                 if is_still { Some(Instance::unmoved(number)) } else { Instance::new(number, motion) };
             let flat = || placed.error("a motion that cannot be taken back: it flattens space".to_owned());
             self.instances.push(instance.ok_or_else(flat)?);
         }
+        let Some(bounds) = found.or(draft.bounds) else {
+            return Err(placed.error("no bounds were found".to_owned()));
+        };
+        let solid = self.solid(placed, draft, bounds)?;
         self.solids.push(solid);
         self.objects.push(placed.name.clone());
         Ok(())
     }
 
-    fn solid(
-        &mut self,
-        placed: &Placed<'d>,
-        composer: Composer<'n, 'd>,
-        (built, conditions): (Built, Vec<(NodeId, bool)>),
-    ) -> Outcome<Solid> {
-        let shown = composer.shown.as_ref().filter(|_| is_file(placed.solid));
-        let surface = placed.flag("surface").unwrap_or(shown.is_some_and(|s| s.surface));
-        let ball = self.ball(placed, shown)?;
-        let bounds = match placed.get("bounds") {
-            Some(value) => view::bounds(self.numbers, value)?,
-            None => self.found(placed, &composer, (built.value, &conditions, surface, ball.as_ref()))?,
-        };
-        let Composer { graph, parts, fuel, .. } = composer;
+    fn solid(&self, placed: &Placed<'d>, draft: Draft, bounds: Bounds) -> Outcome<Solid> {
+        let Draft { graph, parts, fuel, built, conditions, surface, ball, .. } = draft;
         let mut attributes = Attributes::default();
         let parts =
             finished(&mut attributes, &parts, built.value).map_err(|e| placed.error(e.to_string()))?;
@@ -200,36 +304,15 @@ impl<'n, 'd> Stage<'n, 'd> {
         Ok(Some(ball.map_err(|error| value.error(error.to_string(), "no sphere"))?))
     }
 
-    /// The box around the places where the surface may be seen.
-    fn found(
-        &mut self,
-        placed: &Placed<'d>,
-        composer: &Composer<'n, 'd>,
-        (value, conditions, surface, clip): (NodeId, &[(NodeId, bool)], bool, Option<&Ball>),
-    ) -> Outcome<Bounds> {
-        let mut graph = composer.graph.clone();
-        let mut sought = value;
-        if surface && !conditions.is_empty() {
-            let (size, least) = (graph.abs(value), graph.constant(f64::MIN_POSITIVE));
-            sought = graph.sub(size, least);
-        }
-        for &(node, positive) in conditions {
-            let outside = if positive { graph.neg(node) } else { node };
-            sought = graph.max(sought, outside);
-        }
-        let field = Field::new(graph, sought, Vec::new());
-        let field = composer.fuel.map_or(field.clone(), |fuel| field.with_fuel(fuel));
-        let bindings = Bindings::new();
-        let surface = surface && conditions.is_empty();
-        let wanted = Wanted { field: &field, bindings: &bindings, surface, clip };
-        let (bounds, warning) = find_bounds(&wanted).map_err(|error| placed.error(error.to_string()))?;
-        self.warnings.extend(warning.map(|warning| (placed.name.clone(), warning)));
-        Ok(bounds)
-    }
-
     /// Where copies of an object stand.
     fn copies(&self, placed: &Placed<'d>) -> Outcome<Vec<DAffine3>> {
         let get = |key: &str| placed.object.and_then(|table| table.get(key));
+        let mut kinds = ["instances", "scatter", "grid"].into_iter().filter_map(get);
+        if let (Some(_), Some(second)) = (kinds.next(), kinds.next()) {
+            let message = "an object has one of `instances`, `scatter` and `grid`";
+            let error = second.error(message, "a second kind of copies");
+            return Err(error.with_help("write a second object of the same solid").into());
+        }
         let mut all = Vec::new();
         if let Some(list) = get("instances") {
             let copies = list.list().unwrap_or_default();
@@ -257,6 +340,9 @@ impl<'n, 'd> Stage<'n, 'd> {
         let corners = self.numbers.numbers::<6>(place)?;
         let [low, high] = [DVec3::from_slice(&corners[..3]), DVec3::from_slice(&corners[3..])];
         let [least, most] = get("scale").map_or(Ok([1.0; 2]), |scale| self.numbers.numbers(scale))?;
+        if let Some(scale) = get("scale").filter(|_| !(least > 0.0 && most > 0.0)) {
+            return Err(scale.error("scales are above 0", "expected two numbers above 0").into());
+        }
         let seed = get("seed").map_or(Ok(0.0), |seed| self.numbers.number(seed))? as u64;
         let axis = get("rotate").and_then(Value::text).unwrap_or("none");
         let mut random = Random(seed);
@@ -307,24 +393,6 @@ fn finished(
     whole: NodeId,
 ) -> Result<Vec<fieldstone_scene::Part>, fieldstone_scene::MaterialError> {
     parts.iter().map(|part| attributes.part(part, whole)).collect()
-}
-
-/// The names of solids that a solid is composed of.
-fn collect_names<'d>(solid: &'d Value, names: &mut Vec<&'d str>) {
-    let Some(table) = solid.table() else { return };
-    for entry in &table.entries {
-        match entry.key.as_str() {
-            "union" | "intersection" | "difference" | "complement" | "from" | "to" | "solids" | "solid"
-            | "within" => {
-                for operand in entry.value.one_or_many() {
-                    names.extend(operand.text());
-                    collect_names(operand, names);
-                }
-            }
-            "blend" | "metamorphosis" | "sweep" | "projection" => collect_names(&entry.value, names),
-            _ => {}
-        }
-    }
 }
 
 /// The conditions of an object: what decides, and whether it must be positive.

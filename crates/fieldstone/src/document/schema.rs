@@ -62,6 +62,9 @@ fn shape_of(shape: &Shape) -> Value {
         Shape::ColourChannel => {
             json!({ "anyOf": [{ "$ref": "#/$defs/colour" }, { "$ref": "#/$defs/texture" }] })
         }
+        Shape::LightChannel => json!({ "anyOf": [
+            { "type": "number" }, { "$ref": "#/$defs/colour" }, { "$ref": "#/$defs/texture" },
+        ] }),
         Shape::Face => json!({ "anyOf": [{ "$ref": "#/$defs/colour" }, section(&FACE)] }),
         Shape::Solid => json!({ "anyOf": [{ "type": "string" }, { "$ref": "#/$defs/solid" }] }),
         Shape::Motions => json!({ "anyOf": [

@@ -72,6 +72,42 @@ fn mistakes_are_shown_in_their_place() {
 }
 
 #[test]
+fn what_nothing_uses_is_checked_too() {
+    let ball = "[solids]\nball = \"x^2 + y^2 + z^2 - 1\"\n";
+    for (rest, message) in [
+        ("[materials.m]\ncolour = \"tael\"", "`tael` is not a colour"),
+        ("[materials.m]\nroughness = \"x + qq\"", "unknown name `qq`"),
+        ("[materials.m]\ncolour = { red = \"nx\", green = \"0\", blue = \"0/0\" }", "NaN everywhere"),
+        ("[parameters]\na = \"b\"\nb = \"a\"", "depends on itself"),
+        ("[parameters]\na = inf", "not a finite number"),
+        ("[fields]\na = \"nosuch + 1\"", "unknown name `nosuch`"),
+        ("[solids.c]\nunion = [\"nosuch\"]\n[[objects]]\nsolid = \"ball\"", "no solid `nosuch`"),
+        ("[solids.a]\ncomplement = \"b\"\n[solids.b]\ncomplement = \"a\"", "part of itself"),
+    ] {
+        let error = at(&format!("{ball}{rest}"), 0.0).map(|_| ()).unwrap_err();
+        assert!(error.contains(message) && error.contains("--> scene.toml:"), "{rest}: {error}");
+    }
+    assert!(at(&format!("{ball}[materials.m]\ncolour = {{ attributes = 1 }}"), 0.0).is_ok());
+}
+
+#[test]
+fn what_is_unused_is_told() {
+    let text = "[parameters]\nr = 1\nq = 2\n[fields]\nf = \"x*r\"\n[solids]\na = \"f\"\nb = \"y\"\nc = \"z\"
+        [solids.d]\nunion = [\"a\", \"b\"]\n[materials]\nm = { }\nn = { }
+        [[objects]]\nsolid = \"d\"\nmaterial = \"n\"";
+    let unused = document(text).unwrap().unused();
+    assert_eq!(unused, ["the parameter `q`", "the solid `c`", "the material `m`"]);
+}
+
+#[test]
+fn there_are_not_too_many_solids() {
+    let solids = |count: usize| (0..count).map(|i| format!("s{i} = \"x\"\n")).collect::<String>();
+    let error = document(&format!("[solids]\n{}", solids(10_001))).unwrap_err();
+    assert!(error.contains("at most 10000 solids, not 10001"), "{error}");
+    assert!(document(&format!("[solids]\n{}", solids(10_000))).is_ok());
+}
+
+#[test]
 fn several_mistakes_are_told_at_once() {
     let error = document("[camera]\nfow = 30\neyes = [1, 2, 3]\n[solids]\na = 3.5\nb = true\n").unwrap_err();
     assert_eq!(error.matches("error: ").count(), 3, "{error}");

@@ -245,3 +245,42 @@ fn sweeps_and_projections_are_unions() {
     let scene = resolve(shadow).resolved.scene;
     assert!((value(&scene, 0, [0.6, 0.0, 0.0]) + 0.64).abs() < 1e-6);
 }
+
+#[test]
+fn a_section_without_a_material_shows_what_it_goes_through() {
+    let scene = composed(
+        "union = [{ formula = \"x^2 + y^2 + z^2 - 0.25\", material = \"core\" },
+                  { formula = \"x^2 + y^2 + z^2 - 1\", material = \"shell\" }]
+        section = [{ normal = [1, 0, 0], offset = 0.5, material = \"cut\" }, { normal = [0, 1, 0] }]
+        [materials]\ncut = { colour = \"lime\" }\ncore = { colour = \"red\" }\nshell = { colour = \"blue\" }",
+    );
+    let solid = &scene.solids()[0];
+    assert_eq!(solid.parts().len(), 3);
+    let field = |part: usize, point: [f64; 3]| {
+        solid.field().at(&point, solid.bindings())[1 + solid.parts()[part].field.unwrap()]
+    };
+    for (before, behind, owner) in [
+        ([0.0, 0.01, 0.0], [0.0, -0.01, 0.0], 0),
+        ([0.0, 0.01, 0.8], [0.0, -0.01, 0.8], 1),
+        ([0.51, -0.2, 0.0], [0.49, -0.2, 0.0], 2),
+    ] {
+        let inside = |point| solid.tree().contains(&|part| field(part, point) < 0.0);
+        assert!(!inside(before) && inside(behind), "{owner}");
+        let changes = |part: usize| (field(part, before) < 0.0) != (field(part, behind) < 0.0);
+        let alone = |&part: &usize| {
+            changes(part) && solid.tree().contains(&|p| (field(p, before) < 0.0) != (p == part))
+        };
+        assert_eq!((0..3).find(alone), Some(owner));
+    }
+}
+
+#[test]
+fn what_is_only_taken_away_is_cut_by_a_part_of_its_own() {
+    let scene =
+        composed("complement = \"a\"\nsection = { normal = [1, 0, 0] }\nbounds = [-3, -3, -3, 3, 3, 3]");
+    let solid = &scene.solids()[0];
+    assert_eq!(solid.parts().len(), 2);
+    for (x, inside) in [(-2.5, true), (2.5, false)] {
+        assert_eq!(value(&scene, 0, [x, 0.0, 0.0]) < 0.0, inside, "{x}");
+    }
+}

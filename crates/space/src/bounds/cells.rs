@@ -126,6 +126,16 @@ impl Hull {
         past(0).max(past(1)).max(past(2))
     }
 
+    /// The middle of the side of a cell that is opposite to the one which sticks out the farthest.
+    pub(super) fn side_towards(&self, cell: &Cell) -> [f64; 3] {
+        let past = |axis: usize| (self.cell.lo[axis] - cell.lo[axis], cell.hi[axis] - self.cell.hi[axis]);
+        let most = |axis: usize| past(axis).0.max(past(axis).1);
+        let axis = (1..3).fold(0, |best, axis| if most(axis) > most(best) { axis } else { best });
+        let mut point = cell.centre();
+        point[axis] = if past(axis).0 > past(axis).1 { cell.hi[axis] } else { cell.lo[axis] };
+        point
+    }
+
     /// How far a cell is from the hull along the axis on which that is farthest; negative if they overlap.
     pub(super) fn gap(&self, cell: &Cell) -> f64 {
         let between =
