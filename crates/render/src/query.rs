@@ -105,17 +105,6 @@ impl<'s> Prepared<'s> {
         self.ask(asker, &Question { rays, furthest: None, sought: Sought::Nearest })
     }
 
-    /// The nearest surface along each ray that lies before its distance.
-    #[allow(dead_code, reason = "asked by rays that end at a given distance, of which there are none yet")]
-    pub(crate) fn surfaces_before(
-        &self,
-        asker: &mut Asker,
-        rays: &[(DVec3, DVec3)],
-        distances: &[f64],
-    ) -> Vec<Answer> {
-        self.ask(asker, &Question { rays, furthest: Some(distances), sought: Sought::Nearest })
-    }
-
     /// The nearest surface along each shadow ray that lies before its distance, with the tolerance of shadows: for light
     /// that surfaces let through.
     pub(crate) fn blockers(

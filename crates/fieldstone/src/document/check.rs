@@ -62,7 +62,7 @@ impl Check {
                 Some(key) => self.value(&entry.value, &key.shape, &entry.key),
                 None => {
                     let message = format!("{} has no key `{}`", section.name, entry.key);
-                    let help = advise(&entry.key, section.keys.iter().map(|k| k.name), "key");
+                    let help = advise(&entry.key, section.all().map(|k| k.name), "key");
                     let error = Diagnostic::error(entry.key_span.clone(), message, "unknown key");
                     self.errors.push(error.with_help(help));
                 }

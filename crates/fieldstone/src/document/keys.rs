@@ -64,12 +64,32 @@ pub(super) struct Section {
     /// What such a table is called.
     pub(super) name: &'static str,
     pub(super) keys: &'static [Key],
+    /// Keys that it shares with other tables.
+    pub(super) shared: &'static [Key],
 }
 
+/// How solids are drawn, whether it is said of the solid or of the object.
+const DRAWN: &[Key] = &[
+    key("where", CONDITIONS, "Conditions that hold where its surface is: `a < b`; default: none."),
+    key("bounds", Numbers(6), "x0, y0, z0, x1, y1, z1: where it is; default: found."),
+    key("open", Flag, "Whether one looks into it where it is cut; default: false."),
+    key("surface", Flag, "Whether it is the surface where the function is 0; default: false."),
+    key("clip_sphere", Numbers(4), "x, y, z, r: a sphere outside of which nothing is drawn; default: none."),
+    key("method", METHODS, "How its surface is found; default: that of the scene."),
+    key("step", Number, "sampled: the step, relative to its longest side."),
+    key("accept_epsilon", Number, "interval: accepted without proof, relative to its longest side."),
+    key("tolerance", Number, "How closely it is located, relative to its longest side."),
+];
+
 impl Section {
+    /// All keys.
+    pub(super) fn all(&self) -> impl Iterator<Item = &'static Key> + Clone {
+        self.keys.iter().chain(self.shared)
+    }
+
     pub(super) fn key(&self, name: &str) -> Option<&'static Key> {
         let name = if name == "color" { "colour" } else { name };
-        self.keys.iter().find(|key| key.name == name)
+        self.all().find(|key| key.name == name)
     }
 }
 
@@ -108,6 +128,7 @@ const CONDITIONS: Shape = OneOrMany(&Formula);
 
 pub(super) static SECTION: Section = Section {
     name: "a section",
+    shared: &[],
     keys: &[
         key("normal", Numbers(3), "The direction of what is removed."),
         key("offset", Number, "The plane is normal·p = offset, for a normal of length 1; default: 0."),
@@ -121,6 +142,7 @@ pub(super) static SECTION: Section = Section {
 
 pub(super) static BLEND: Section = Section {
     name: "a blend",
+    shared: &[],
     keys: &[
         key("solids", List(&Solid), "What is blended, at least two."),
         key("kind", Choice(&BLENDS), "The formula."),
@@ -161,6 +183,7 @@ pub(super) const BLENDS: [&str; 9] = [
 
 pub(super) static METAMORPHOSIS: Section = Section {
     name: "a metamorphosis",
+    shared: &[],
     keys: &[
         key("from", Solid, "What it is at share 0."),
         key("to", Solid, "What it is at share 1."),
@@ -170,6 +193,7 @@ pub(super) static METAMORPHOSIS: Section = Section {
 
 pub(super) static VOXELS: Section = Section {
     name: "a voxel array",
+    shared: &[],
     keys: &[
         key("file", File, "NRRD (.nrrd, .nhdr), or raw numbers, those along x next to one another."),
         key("size", List(&Whole(2, 1 << 26)), "raw: how many numbers there are along x, y and z."),
@@ -192,6 +216,7 @@ pub(super) const NUMBER_TYPES: [&str; 8] = ["u8", "i8", "u16", "i16", "u32", "i3
 
 pub(super) static POINTS: Section = Section {
     name: "a solid from points",
+    shared: &[],
     keys: &[
         key("file", File, "PLY with normals, or a table of x, y, z, nx, ny, nz."),
         key("smoothing", Number, "How much noise is evened out, from 0 on; default: 0."),
@@ -201,6 +226,7 @@ pub(super) static POINTS: Section = Section {
 
 pub(super) static SPLINE: Section = Section {
     name: "a spline volume",
+    shared: &[],
     keys: &[
         key("controls", List(&Number), "The control values, those along x next to one another."),
         key("size", List(&Whole(2, 1 << 20)), "How many there are along x, y and z."),
@@ -211,6 +237,7 @@ pub(super) static SPLINE: Section = Section {
 
 pub(super) static SWEEP: Section = Section {
     name: "a sweep",
+    shared: &[],
     keys: &[
         key("solid", Solid, "What is moved along the curve, without being turned."),
         key("polyline", List(&Numbers(3)), "The curve from point to point."),
@@ -221,6 +248,7 @@ pub(super) static SWEEP: Section = Section {
 
 pub(super) static PROJECTION: Section = Section {
     name: "a projection",
+    shared: &[],
     keys: &[
         key("solid", Solid, "A solid of x, y, z and w, of which the shadow along w is seen."),
         key("from", Number, "The least w; default: -1."),
@@ -230,6 +258,7 @@ pub(super) static PROJECTION: Section = Section {
 
 pub(super) static SOLID: Section = Section {
     name: "a solid",
+    shared: DRAWN,
     keys: &[
         key("formula", Formula, "A function of x, y, z that is negative inside."),
         key("file", File, "A model: .hf, .vm, .jsurf, or a formula."),
@@ -262,24 +291,12 @@ pub(super) static SOLID: Section = Section {
             "Minima and maxima, or R-functions; default: minmax.",
         ),
         key("section", OneOrMany(&Table(&SECTION)), "Planes that cut it; default: none."),
-        key("where", CONDITIONS, "Conditions that hold where its surface is: `a < b`; default: none."),
-        key("bounds", Numbers(6), "x0, y0, z0, x1, y1, z1: where it is; default: found."),
-        key("open", Flag, "Whether one looks into it where it is cut; default: false."),
-        key("surface", Flag, "Whether it is the surface where the function is 0; default: false."),
-        key(
-            "clip_sphere",
-            Numbers(4),
-            "x, y, z, r: a sphere outside of which nothing is drawn; default: none.",
-        ),
-        key("method", METHODS, "How its surface is found; default: that of the scene."),
-        key("step", Number, "sampled: the step, relative to its longest side."),
-        key("accept_epsilon", Number, "interval: accepted without proof, relative to its longest side."),
-        key("tolerance", Number, "How closely it is located, relative to its longest side."),
     ],
 };
 
 pub(super) static SCATTER: Section = Section {
     name: "a scatter",
+    shared: &[],
     keys: &[
         key("count", Whole(1, super::MAX_INSTANCES as u64), "How many copies."),
         key("seed", Whole(0, u32::MAX as u64), "Other numbers give other places; default: 0."),
@@ -295,6 +312,7 @@ pub(super) static SCATTER: Section = Section {
 
 pub(super) static GRID: Section = Section {
     name: "a grid",
+    shared: &[],
     keys: &[
         key("count", List(&Whole(1, super::MAX_INSTANCES as u64)), "How many along x, y and z."),
         key("spacing", Numbers(3), "How far apart they are."),
@@ -304,6 +322,7 @@ pub(super) static GRID: Section = Section {
 
 pub(super) static OBJECT: Section = Section {
     name: "an object",
+    shared: DRAWN,
     keys: &[
         key("solid", Solid, "What stands there."),
         key("material", Material, "Its material instead of its own."),
@@ -311,24 +330,12 @@ pub(super) static OBJECT: Section = Section {
         key("instances", List(&Motions), "Motions of each copy, after `transform`."),
         key("scatter", Table(&SCATTER), "Copies at random places."),
         key("grid", Table(&GRID), "Copies in rows."),
-        key("where", CONDITIONS, "Conditions that hold where its surface is: `a < b`; default: none."),
-        key("bounds", Numbers(6), "x0, y0, z0, x1, y1, z1: where it is; default: found."),
-        key("open", Flag, "Whether one looks into it where it is cut; default: false."),
-        key("surface", Flag, "Whether it is the surface where the function is 0; default: false."),
-        key(
-            "clip_sphere",
-            Numbers(4),
-            "x, y, z, r: a sphere outside of which nothing is drawn; default: none.",
-        ),
-        key("method", METHODS, "How its surface is found; default: that of the scene."),
-        key("step", Number, "sampled: the step, relative to its longest side."),
-        key("accept_epsilon", Number, "interval: accepted without proof, relative to its longest side."),
-        key("tolerance", Number, "How closely it is located, relative to its longest side."),
     ],
 };
 
 pub(super) static MATERIAL: Section = Section {
     name: "a material",
+    shared: &[],
     keys: &[
         key(
             "model",
@@ -354,6 +361,7 @@ pub(super) static MATERIAL: Section = Section {
 
 pub(super) static LIGHT: Section = Section {
     name: "a light",
+    shared: &[],
     keys: &[
         key("kind", Choice(&["directional", "point", "sphere", "rectangle"]), "What it is."),
         key("towards", Numbers(3), "directional: the direction to the light."),
@@ -370,11 +378,13 @@ pub(super) static LIGHT: Section = Section {
 
 pub(super) static LIGHTING: Section = Section {
     name: "the lighting",
+    shared: &[],
     keys: &[key("ambient", Colour, "The light from everywhere; default with lights: none.")],
 };
 
 pub(super) static BACKGROUND: Section = Section {
     name: "the background",
+    shared: &[],
     keys: &[
         key("colour", Colour, "One colour all over."),
         key("top", Colour, "The colour at the upper edge."),
@@ -384,6 +394,7 @@ pub(super) static BACKGROUND: Section = Section {
 
 pub(super) static ENVIRONMENT: Section = Section {
     name: "the environment",
+    shared: &[],
     keys: &[
         key("kind", Choice(&["uniform", "gradient", "image", "cube", "room"]), "What is around the scene."),
         key("colour", Colour, "uniform: its colour; default: white."),
@@ -403,6 +414,7 @@ pub(super) static ENVIRONMENT: Section = Section {
 
 pub(super) static FACE: Section = Section {
     name: "a face",
+    shared: &[],
     keys: &[
         key("file", File, "A picture: PNG, HDR or EXR."),
         key("checker", List(&Colour), "Two colours."),
@@ -413,6 +425,7 @@ pub(super) static FACE: Section = Section {
 
 pub(super) static CAMERA: Section = Section {
     name: "the camera",
+    shared: &[],
     keys: &[
         key("eye", Numbers(3), "Where it stands; default: in front, to the right and above."),
         key("target", Numbers(3), "What it looks at; default: the middle of all bounds."),
@@ -426,6 +439,7 @@ pub(super) static CAMERA: Section = Section {
 
 pub(super) static RENDER: Section = Section {
     name: "the rendering",
+    shared: &[],
     keys: &[
         key("size", List(&Whole(1, 1 << 26)), "Width and height in pixels; default: 512, 512."),
         key("samples", Whole(1, 4096), "Samples of a pixel where there are edges in it; default: 4."),
@@ -450,6 +464,7 @@ pub(super) const TONE_MAPS: [&str; 3] = ["none", "khronos-neutral", "aces"];
 
 pub(super) static SCENE: Section = Section {
     name: "a scene",
+    shared: &[],
     keys: &[
         key("parameters", Named(&Number), "Names for numbers."),
         key("fields", Named(&Formula), "Names for functions of x, y, z."),
@@ -467,6 +482,7 @@ pub(super) static SCENE: Section = Section {
 
 pub(super) static ROTATION: Section = Section {
     name: "a rotation",
+    shared: &[],
     keys: &[
         key("axis", Numbers(3), "The axis, through the origin."),
         key("degrees", Number, "Counter-clockwise, seen from the end of the axis."),
@@ -475,6 +491,7 @@ pub(super) static ROTATION: Section = Section {
 
 pub(super) static MOTION: Section = Section {
     name: "a motion",
+    shared: &[],
     keys: &[
         key("translate", Numbers(3), "By a vector."),
         key("rotate", Table(&ROTATION), "About an axis through the origin."),
@@ -485,6 +502,7 @@ pub(super) static MOTION: Section = Section {
 
 pub(super) static TEXTURE: Section = Section {
     name: "a texture",
+    shared: &[],
     keys: &[
         key("attributes", Whole(1, 65536), "The first attribute of the model that it takes, counted from 1."),
         key("red", Formula, "The red of a colour, sRGB."),

@@ -27,7 +27,7 @@ pub fn scene_schema() -> Value {
 
 fn section(section: &Section) -> Value {
     let mut properties = Map::new();
-    for key in section.keys {
+    for key in section.all() {
         let described = |shape: &Shape| {
             let mut value = shape_of(shape);
             if let Some(object) = value.as_object_mut() {

@@ -55,7 +55,7 @@ fn nothing_is_found_behind_the_furthest_distance() {
         let rays = along_x(-4.0);
         for (distance, found) in [(2.9, false), (3.1, true), (100.0, true)] {
             let distance = [distance];
-            let nearest = prepared.surfaces_before(&mut asker, &rays, &distance)[0].surface;
+            let nearest = prepared.blockers(&mut asker, &rays, &distance)[0].surface;
             let blocker = prepared.blockers(&mut asker, &rays, &distance)[0].surface;
             for surface in [nearest, blocker] {
                 assert_eq!(surface.map(|s| (s.t * 1e6).round()), found.then_some(3e6));
