@@ -18,6 +18,7 @@ mod media;
 mod object;
 mod owner;
 mod query;
+mod roots;
 mod sampling;
 mod sky;
 mod slice;

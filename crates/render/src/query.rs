@@ -9,6 +9,7 @@ use crate::object::{Object, Sought};
 use crate::owner::Bracket;
 use fieldstone_field::{F64, Gradients, LANES, Points, Workspace};
 use fieldstone_scene::{Appearance, Instance, Scene};
+use fieldstone_space::Walker;
 use fieldstone_trace::{Certificate, Tracer};
 use glam::DVec3;
 
@@ -63,6 +64,7 @@ pub(crate) struct Segments;
 #[derive(Default)]
 pub(crate) struct Asker {
     pub(crate) tracer: Tracer,
+    pub(crate) walker: Walker,
     gradients: Workspace<F64, Gradients>,
     points: Workspace<F64, Points>,
     pub(crate) owner: crate::owner::Memory,
@@ -188,7 +190,7 @@ impl<'s> Prepared<'s> {
                         }
                     }
                 }
-                asker.gradients.run(&object.sign, block.len());
+                asker.gradients.run(&object.roots.sign, block.len());
                 asker.evaluations += block.len() as u64;
                 for (lane, &i) in block.iter().enumerate() {
                     let slope = |axis: usize| asker.gradients.output(0, 1 + axis)[lane];

@@ -17,13 +17,13 @@ type Slopes = [Option<NodeId>; 3];
 
 /// Makes derivatives of nodes of one graph; what nodes share is made once.
 #[derive(Debug, Default)]
-pub(super) struct Gradients {
+pub(crate) struct Gradients {
     known: HashMap<NodeId, Slopes>,
 }
 
 impl Gradients {
     /// The partial derivatives of `node` along the first three coordinates.
-    pub(super) fn of(&mut self, graph: &mut Graph, node: NodeId) -> [NodeId; 3] {
+    pub(crate) fn of(&mut self, graph: &mut Graph, node: NodeId) -> [NodeId; 3] {
         let mut stack = vec![node];
         while let Some(&n) = stack.last() {
             if self.known.contains_key(&n) {
@@ -281,7 +281,7 @@ fn chosen(graph: &mut Graph, condition: NodeId, a: Slopes, b: Slopes) -> Slopes 
 
 #[cfg(test)]
 mod tests {
-    use super::super::pieces::Pieces;
+    use crate::measure::pieces::Pieces;
     use fieldstone_field::{Bindings, F64, Interval, Intervals, Workspace};
     use fieldstone_lang::{Source, parse_formula};
 

@@ -1,0 +1,38 @@
+//! Where rays cross the zeros of a field, by whatever method they are to be found.
+
+use crate::query::Asker;
+use fieldstone_field::{Bindings, Field, Reading, Tape, TapeOptions};
+use fieldstone_scene::Bounds;
+use fieldstone_space::{Octree, OctreeOptions};
+use fieldstone_trace::{Method, Outcome, Ray, Settings};
+
+/// A field with its program compiled, and the octree that rays of the affine method walk.
+#[derive(Debug)]
+pub(crate) struct Roots {
+    /// The field, for its sign.
+    pub(crate) sign: Tape,
+    tree: Octree,
+}
+
+impl Roots {
+    pub(crate) fn new(field: &Field, bindings: &Bindings, bounds: &Bounds) -> Self {
+        let options = TapeOptions { bindings: bindings.clone(), ..TapeOptions::default() };
+        let sign = Tape::new(field, &TapeOptions { reading: Reading::Sign, ..options });
+        let corners = (bounds.min().to_array(), bounds.max().to_array());
+        Self { sign, tree: Octree::new(field, bindings, corners, OctreeOptions::default()) }
+    }
+
+    /// The first crossing of every ray; rays stay within the bounds.
+    pub(crate) fn first_hits(&self, asker: &mut Asker, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
+        if settings.method != Method::Affine {
+            let before = asker.tracer.shared_cost();
+            let outcomes = asker.tracer.first_hits(&self.sign, rays, settings);
+            asker.evaluations += asker.tracer.shared_cost() - before;
+            return outcomes;
+        }
+        let before = asker.walker.shared_cost();
+        let outcomes = self.tree.first_hits(&mut asker.walker, rays, settings);
+        asker.evaluations += asker.walker.shared_cost() - before;
+        outcomes
+    }
+}

@@ -1,0 +1,388 @@
+//! Rays on their way through the tree.
+//!
+//! Up to 64 rays walk together, from the near cells to the far ones: rays whose directions have the same signs cross cells
+//! in one common order. Where a cell lies is asked for the bundle as a whole first, and for each ray only at cells that
+//! are not outside.
+
+use super::build::Builder;
+use super::packet::{Common, Crossing, ORDER, Packet, flip, lanes_of};
+use super::solve::{Solve, Solver};
+use super::{Cell, Node, Octree, Place};
+use fearless_simd::Level;
+use fieldstone_field::{F64, LANES, Points, Tape, Workspace};
+use fieldstone_trace::{Certificate, Hit, Outcome, Part, Ray, Settings, Tracer};
+use std::sync::Arc;
+
+/// Rays that start further away than so many times the size begin anew where they start, so that numbers stay small.
+const FAR: f64 = 64.0;
+
+/// What a thread needs to walk; keeps its memory between calls.
+#[derive(Debug)]
+pub struct Walker {
+    builder: Builder,
+    solver: Solver,
+    tracer: Tracer,
+    points: Workspace<F64, Points>,
+    packet: Box<Packet>,
+    crossing: Box<Crossing>,
+    solves: Vec<Solve>,
+    parts: Vec<Part>,
+    lanes: Vec<usize>,
+    level: Level,
+}
+
+impl Default for Walker {
+    fn default() -> Self {
+        Self {
+            builder: Builder::default(),
+            solver: Solver::default(),
+            tracer: Tracer::new(),
+            points: Workspace::new(),
+            packet: Box::new(Packet::new()),
+            crossing: Box::new(Crossing::new()),
+            solves: Vec::new(),
+            parts: Vec::new(),
+            lanes: Vec::new(),
+            level: Level::new(),
+        }
+    }
+}
+
+/// What stays the same while a packet walks.
+struct Walk<'w> {
+    tree: &'w Octree,
+    settings: &'w Settings,
+    outcomes: &'w mut [Outcome],
+    /// The place of the first outcome among those of the whole call.
+    first: usize,
+    octant: usize,
+}
+
+/// The rays of a packet that are on their way.
+#[derive(Clone, Copy, Debug)]
+struct Flock {
+    /// Those that have found nothing yet.
+    active: u64,
+    /// Those of which it is known on which side of the surface they are. A ray of which it is not known has crossed but
+    /// cells that are outside.
+    known: u64,
+    /// Those that are inside.
+    inside: u64,
+}
+
+impl Walker {
+    /// A walker.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Evaluations that served building the tree, and not a single ray, since the walker was made.
+    pub fn shared_cost(&self) -> u64 {
+        self.builder.evaluations
+    }
+}
+
+impl Octree {
+    /// The first crossing of every ray, by the affine method of `settings`.
+    ///
+    /// Rays must stay within the bounds of the tree. Those that run close together should stand close together.
+    pub fn first_hits(&self, walker: &mut Walker, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
+        let far = FAR * settings.size;
+        if rays.iter().all(|ray| ray.is_empty() || ray.start.abs() < far) {
+            return self.walk(walker, rays, settings);
+        }
+        let near: Vec<Ray> = rays
+            .iter()
+            .map(|ray| Ray { origin: ray.at(ray.start), start: 0.0, end: ray.end - ray.start, ..*ray })
+            .collect();
+        let mut outcomes = self.walk(walker, &near, settings);
+        for (ray, outcome) in rays.iter().zip(&mut outcomes) {
+            if let Some(Hit { t, before, after, .. }) = &mut outcome.hit {
+                [t, before, after].into_iter().for_each(|t| *t += ray.start);
+            }
+        }
+        outcomes
+    }
+
+    fn walk(&self, walker: &mut Walker, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
+        let mut outcomes = vec![Outcome::nothing(); rays.len()];
+        walker.solves.clear();
+        for (i, rays) in rays.chunks(LANES).enumerate() {
+            let first = i * LANES;
+            let outcomes = &mut outcomes[first..first + rays.len()];
+            let set = walker.packet.load(rays);
+            for (octant, set) in walker.packet.octants(set).into_iter().enumerate().filter(|(_, s)| *s != 0) {
+                let mut walk = Walk { tree: self, settings, outcomes: &mut *outcomes, first, octant };
+                let mut flock = Flock { active: set, known: 0, inside: 0 };
+                let common = walker.packet.common(set);
+                walker.divide(&mut walk, &self.root, Place::ROOT, &common, &mut flock);
+                for lane in lanes_of(flock.active) {
+                    walk.outcomes[lane].ends_inside = flock.inside >> lane & 1 == 1;
+                }
+            }
+        }
+        let mut solves = std::mem::take(&mut walker.solves);
+        walker.solver.run(&mut solves, settings.tolerance * settings.size, &mut outcomes);
+        walker.solves = solves;
+        outcomes
+    }
+}
+
+impl Walker {
+    /// Walks through the cells of a cell that is divided.
+    fn divide(&mut self, walk: &mut Walk<'_>, cell: &Cell, place: Place, common: &Common, flock: &mut Flock) {
+        let node = walk.tree.node(&mut self.builder, cell, place);
+        self.cells(walk, &node, place, common, flock);
+    }
+
+    fn cells(&mut self, walk: &mut Walk<'_>, node: &Node, place: Place, common: &Common, flock: &mut Flock) {
+        let tree = walk.tree;
+        let unit = place.unit();
+        let faces: [[f64; 5]; 3] = std::array::from_fn(|axis| {
+            std::array::from_fn(|i| tree.face(axis, place.corner[axis] + unit * i as u32))
+        });
+        let mut crossed = common.crossed(walk.octant, &faces);
+        let flip = flip(walk.octant);
+        while crossed != 0 && flock.active != 0 {
+            let number = ORDER[crossed.trailing_zeros() as usize] ^ flip;
+            crossed &= crossed - 1;
+            let bit = 1u64 << number;
+            let is_outside = node.outside & bit != 0;
+            if is_outside && flock.inside & flock.active == 0 {
+                continue;
+            }
+            let index = |axis: usize| (number >> (2 * axis) & 3) as usize;
+            let corner = |up: usize| [0, 1, 2].map(|axis| faces[axis][index(axis) + up]);
+            let faces = (corner(0), corner(1));
+            let set = self.packet.cross(self.level, flock.active, faces, &mut self.crossing);
+            if set == 0 {
+                continue;
+            }
+            if is_outside || node.inside & bit != 0 {
+                self.pass(walk, set, !is_outside, flock);
+                continue;
+            }
+            let cell = node.cell(number);
+            let set = self.settle(walk, cell, set, flock);
+            if set == 0 {
+                continue;
+            }
+            if cell.is_leaf {
+                self.march(walk, &cell.programs.value, set, flock);
+            } else if 4 * set.count_ones() <= 3 * flock.active.count_ones() {
+                let mut some = Flock { active: set, ..*flock };
+                let common = self.packet.common(set);
+                self.divide(walk, cell, place.child(number), &common, &mut some);
+                flock.merge(set, some);
+            } else {
+                let mut some = Flock { active: set, ..*flock };
+                self.divide(walk, cell, place.child(number), common, &mut some);
+                flock.merge(set, some);
+            }
+        }
+    }
+
+    /// Lets rays pass the part of a cell, from where they enter it, in which the sign is proved.
+    fn pass(&mut self, walk: &mut Walk<'_>, set: u64, inside: bool, flock: &mut Flock) {
+        for lane in lanes_of(set) {
+            let bit = 1 << lane;
+            let enter = self.crossing.enter[lane];
+            self.meet_start(lane, enter, flock);
+            if flock.known & bit == 0 {
+                flock.start(lane, inside, walk);
+            } else if (flock.inside & bit != 0) != inside {
+                // The surface runs along the edge of the cell.
+                let width = walk.settings.tolerance * walk.settings.size;
+                let outcome = &mut walk.outcomes[lane];
+                outcome.hit = Some(Hit {
+                    t: enter,
+                    before: enter - width,
+                    after: enter,
+                    entering: inside,
+                    jump: false,
+                    touching: false,
+                });
+                outcome.certificate = outcome.certificate.max(Certificate::Tolerance);
+                flock.active &= !bit;
+            }
+        }
+    }
+
+    /// A ray of which nothing is known, and which does not start in this cell, comes from outside.
+    fn meet_start(&self, lane: usize, enter: f64, flock: &mut Flock) {
+        if flock.known >> lane & 1 == 0 && enter > self.packet.start[lane] {
+            flock.known |= 1 << lane;
+        }
+    }
+
+    /// Settles what the facet of an open cell can; the set of rays that need a closer look.
+    fn settle(&mut self, walk: &mut Walk<'_>, cell: &Cell, set: u64, flock: &mut Flock) -> u64 {
+        let Some(facet) = &cell.facet else {
+            self.crossing.from = self.crossing.enter;
+            self.crossing.to = self.crossing.exit;
+            return set;
+        };
+        let [positive, negative, monotone] = self.packet.face(self.level, set, facet, &mut self.crossing);
+        // Most rays come from outside, and stay there.
+        let stay = positive & flock.known & !flock.inside;
+        let set = set & !stay;
+        if set == 0 {
+            return 0;
+        }
+        self.pass(walk, set & positive, false, flock);
+        self.pass(walk, set & negative, true, flock);
+        let open = set & !(positive | negative) & flock.active;
+        lanes_of(open & !flock.known)
+            .for_each(|lane| self.meet_start(lane, self.crossing.enter[lane], flock));
+        if cell.is_leaf {
+            self.find_starts(walk, &cell.programs.value, open & !flock.known, flock);
+        }
+        let monotone = monotone & flock.known;
+        self.find_roots(walk, cell, open & flock.active & monotone, flock);
+        open & flock.active & !monotone
+    }
+
+    /// The side on which rays start that start in this cell, by the value there.
+    fn find_starts(&mut self, walk: &mut Walk<'_>, program: &Tape, set: u64, flock: &mut Flock) {
+        if set == 0 {
+            return;
+        }
+        self.lanes.clear();
+        self.lanes.extend(lanes_of(set));
+        self.evaluate(program, |walker, lane| walker.packet.start[lane]);
+        for (i, &lane) in self.lanes.iter().enumerate() {
+            let value = self.points.output(0, 0)[i];
+            walk.outcomes[lane].cost += 1;
+            if value.is_nan() {
+                walk.outcomes[lane].certificate = Certificate::Undecided;
+            }
+            flock.start(lane, value < 0.0, walk);
+        }
+    }
+
+    /// Evaluates a program at one place of each ray in the list of lanes.
+    fn evaluate(&mut self, program: &Tape, place: impl Fn(&Self, usize) -> f64) {
+        for i in 0..self.lanes.len() {
+            let lane = self.lanes[i];
+            let t = place(self, lane);
+            for axis in 0..3 {
+                let x = self.packet.origin[axis][lane] + self.packet.direction[axis][lane] * t;
+                self.points.input(axis, 0)[i] = x;
+            }
+        }
+        self.points.run(program, self.lanes.len());
+    }
+
+    /// Rays along which the field is monotone: one root, or none.
+    fn find_roots(&mut self, walk: &mut Walk<'_>, cell: &Cell, set: u64, flock: &mut Flock) {
+        self.lanes.clear();
+        for lane in lanes_of(set) {
+            let inside = flock.inside >> lane & 1 == 1;
+            let c = &self.crossing;
+            let rises = c.slope[lane] > 0.0;
+            // Certainly on the other side from the start on: the surface runs along the edge of the cell.
+            let wrong = if inside { c.first[lane] > c.error[lane] } else { c.first[lane] < -c.error[lane] };
+            if wrong {
+                self.pass(walk, 1 << lane, !inside, flock);
+            } else if rises == inside {
+                if c.to[lane] < c.exit[lane] {
+                    self.found(walk, cell, lane, flock);
+                } else {
+                    self.lanes.push(lane);
+                }
+            }
+        }
+        if self.lanes.is_empty() {
+            return;
+        }
+        self.evaluate(&cell.programs.value, |walker, lane| walker.crossing.exit[lane]);
+        for i in 0..self.lanes.len() {
+            let (lane, value) = (self.lanes[i], self.points.output(0, 0)[i]);
+            walk.outcomes[lane].cost += 1;
+            let inside = flock.inside >> lane & 1 == 1;
+            if (value < 0.0) != inside && !(walk.settings.surface && value == 0.0) {
+                self.found(walk, cell, lane, flock);
+            }
+        }
+    }
+
+    /// There is exactly one root, where the facet leaves it possible.
+    fn found(&mut self, walk: &mut Walk<'_>, cell: &Cell, lane: usize, flock: &mut Flock) {
+        let c = &self.crossing;
+        let (from, to) = (c.from[lane], c.to[lane].max(c.from[lane]));
+        flock.active &= !(1 << lane);
+        if walk.settings.any_hit {
+            let entering = flock.inside >> lane & 1 == 0;
+            let t = 0.5 * (from + to);
+            let hit = Hit { t, before: from, after: to, entering, jump: false, touching: false };
+            return walk.outcomes[lane].hit = Some(hit);
+        }
+        self.solves.push(Solve {
+            ray: self.packet.ray(lane),
+            place: walk.first + lane,
+            program: Arc::clone(&cell.programs.value),
+            bracket: (from, to),
+            slope: c.slope[lane],
+            spread: c.spread[lane],
+            guess: c.enter[lane] - c.first[lane] / c.slope[lane],
+        });
+    }
+
+    /// Marches rays where the facet leaves roots possible.
+    fn march(&mut self, walk: &mut Walk<'_>, program: &Tape, set: u64, flock: &mut Flock) {
+        if set == 0 {
+            return;
+        }
+        self.lanes.clear();
+        self.parts.clear();
+        for lane in lanes_of(set) {
+            self.meet_start(lane, self.crossing.enter[lane], flock);
+            let known = flock.known >> lane & 1 == 1;
+            let start = if known { self.crossing.from[lane] } else { self.crossing.enter[lane] };
+            let ray = Ray { start, end: self.crossing.to[lane], ..self.packet.ray(lane) };
+            if ray.is_empty() {
+                continue;
+            }
+            let inside = known.then_some(flock.inside >> lane & 1 == 1);
+            self.lanes.push(lane);
+            self.parts.push(Part { ray, spent: walk.outcomes[lane].cost, inside });
+        }
+        let (lanes, parts) = (&self.lanes, &self.parts);
+        self.tracer.march(program, parts, walk.settings, |place, found| {
+            let lane = lanes[place];
+            let bit = 1 << lane;
+            let outcome = &mut walk.outcomes[lane];
+            outcome.cost += found.cost;
+            outcome.certificate = outcome.certificate.max(found.certificate);
+            if parts[place].inside.is_none() {
+                outcome.starts_inside = found.starts_inside;
+            }
+            flock.known |= bit;
+            flock.inside = if found.ends_inside { flock.inside | bit } else { flock.inside & !bit };
+            outcome.hit = found.hit;
+            if found.hit.is_some() || (walk.settings.caps && outcome.starts_inside) {
+                flock.active &= !bit;
+            }
+        });
+    }
+}
+
+impl Flock {
+    /// Takes note of the side on which a ray starts.
+    fn start(&mut self, lane: usize, inside: bool, walk: &mut Walk<'_>) {
+        let bit = 1 << lane;
+        self.known |= bit;
+        self.inside |= if inside { bit } else { 0 };
+        walk.outcomes[lane].starts_inside = inside;
+        if inside && walk.settings.caps {
+            self.active &= !bit;
+        }
+    }
+
+    /// Takes over what some of the rays went through.
+    fn merge(&mut self, set: u64, some: Self) {
+        self.active = (self.active & !set) | some.active;
+        self.known = (self.known & !set) | (some.known & set);
+        self.inside = (self.inside & !set) | (some.inside & set);
+    }
+}
