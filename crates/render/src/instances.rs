@@ -214,6 +214,7 @@ impl Surface {
             cap: meeting.cap,
             jump: meeting.jump,
             gradient_place: meeting.gradient_place,
+            gradient: meeting.gradient,
         }
     }
 

@@ -57,6 +57,8 @@ pub(crate) struct Meeting {
     pub(crate) jump: bool,
     /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
     pub(crate) gradient_place: DVec3,
+    /// The gradient, if it is known already.
+    pub(crate) gradient: Option<DVec3>,
 }
 
 /// What was found along a ray.
@@ -132,16 +134,23 @@ impl<'s> Object<'s> {
             any_hit: sought == Sought::AnyBlocker,
             ..*settings
         };
-        let outcomes = match &self.conditions {
-            None => self.roots.first_hits(asker, &to_trace, &settings),
-            Some(conditions) => conditions.first_hits(asker, &self.roots, &to_trace, &settings),
+        let (outcomes, gradients) = match &self.conditions {
+            None if sought == Sought::Nearest => {
+                self.roots.first_hits_with_gradients(asker, &to_trace, &settings)
+            }
+            None => (self.roots.first_hits(asker, &to_trace, &settings), None),
+            Some(conditions) => (conditions.first_hits(asker, &self.roots, &to_trace, &settings), None),
         };
         asker.evaluations += outcomes.iter().map(|o| u64::from(o.cost)).sum::<u64>();
         for (i, outcome) in outcomes.iter().enumerate() {
             let span = spans[i].as_ref();
             // Only what the ray enters from outside of the bounds begins on a cap.
             let entered = span.filter(|span| span.enter > rays[i].start);
-            take(i, self.found(outcome, &to_trace[i], (entered, span)));
+            let mut found = self.found(outcome, &to_trace[i], (entered, span));
+            if let (Some(meeting), Some(gradients)) = (&mut found.meeting, &gradients) {
+                meeting.gradient = Some(DVec3::from_array(gradients[i]));
+            }
+            take(i, found);
         }
     }
 
@@ -169,6 +178,7 @@ impl<'s> Object<'s> {
                     from_inside: !hit.entering,
                     jump: hit.jump,
                     gradient_place,
+                    gradient: None,
                 })
             }
             (None, (_, Some(span))) if outcome.ends_inside && capped && ray.end >= span.exit => {
@@ -196,6 +206,7 @@ impl<'s> Object<'s> {
             from_inside,
             jump: false,
             gradient_place: place,
+            gradient: None,
         }
     }
 

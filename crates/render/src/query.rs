@@ -47,6 +47,8 @@ pub(crate) struct Surface {
     pub(crate) jump: bool,
     /// Where the gradient of the field is the normal, in the solid's space.
     pub(crate) gradient_place: DVec3,
+    /// The gradient there, if it is known already.
+    pub(crate) gradient: Option<DVec3>,
 }
 
 /// The answer to a surface query.
@@ -179,7 +181,13 @@ impl<'s> Prepared<'s> {
         let mut normals = vec![DVec3::ZERO; hits.len()];
         for (solid, of_solid) in self.by_solid(hits) {
             let object = &self.objects[solid];
-            for block in of_solid.chunks(LANES) {
+            let (known, unknown): (Vec<usize>, Vec<usize>) =
+                of_solid.into_iter().partition(|&i| hits[i].0.gradient.is_some() || hits[i].0.cap.is_some());
+            for i in known {
+                let gradient = hits[i].0.gradient.unwrap_or_default();
+                normals[i] = self.normal(asker, object, &hits[i], gradient);
+            }
+            for block in unknown.chunks(LANES) {
                 for (lane, &i) in block.iter().enumerate() {
                     let point = hits[i].0.gradient_place;
                     for axis in 0..3 {
@@ -195,21 +203,31 @@ impl<'s> Prepared<'s> {
                 for (lane, &i) in block.iter().enumerate() {
                     let slope = |axis: usize| asker.gradients.output(0, 1 + axis)[lane];
                     let gradient = DVec3::new(slope(0), slope(1), slope(2));
-                    let (surface, direction) = &hits[i];
-                    let frame = self.frame(surface);
-                    let direction = frame.direction(*direction);
-                    let smooth = || gradient.try_normalize().filter(|n| n.is_finite() && !surface.jump);
-                    let normal = surface.cap.or_else(smooth);
-                    let normal = normal.unwrap_or_else(|| {
-                        let place = frame.place(0.5 * (surface.before + surface.behind));
-                        object.probe_normal(&mut asker.points, place, direction)
-                    });
-                    let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-                    normals[i] = frame.world_normal(normal);
+                    normals[i] = self.normal(asker, object, &hits[i], gradient);
                 }
             }
         }
         normals
+    }
+
+    /// The unit normal of a hit with this gradient, turned against its ray.
+    fn normal(
+        &self,
+        asker: &mut Asker,
+        object: &Object<'_>,
+        (surface, direction): &(Surface, DVec3),
+        gradient: DVec3,
+    ) -> DVec3 {
+        let frame = self.frame(surface);
+        let direction = frame.direction(*direction);
+        let smooth = || gradient.try_normalize().filter(|n| n.is_finite() && !surface.jump);
+        let normal = surface.cap.or_else(smooth);
+        let normal = normal.unwrap_or_else(|| {
+            let place = frame.place(0.5 * (surface.before + surface.behind));
+            object.probe_normal(&mut asker.points, place, direction)
+        });
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        frame.world_normal(normal)
     }
 
     /// How surfaces look.

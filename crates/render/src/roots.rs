@@ -22,7 +22,24 @@ impl Roots {
         Self { sign, tree: Octree::new(field, bindings, corners, OctreeOptions::default()) }
     }
 
-    /// The first crossing of every ray; rays stay within the bounds.
+    /// The first crossing of every ray, and the gradients there if the program that is right there is at hand; rays stay
+    /// within the bounds.
+    pub(crate) fn first_hits_with_gradients(
+        &self,
+        asker: &mut Asker,
+        rays: &[Ray],
+        settings: &Settings,
+    ) -> (Vec<Outcome>, Option<Vec<[f64; 3]>>) {
+        if settings.method != Method::Affine {
+            return (self.first_hits(asker, rays, settings), None);
+        }
+        let before = asker.walker.shared_cost();
+        let (outcomes, gradients) = self.tree.first_hits_with_gradients(&mut asker.walker, rays, settings);
+        asker.evaluations += asker.walker.shared_cost() - before;
+        (outcomes, Some(gradients))
+    }
+
+    /// The first crossing of every ray.
     pub(crate) fn first_hits(&self, asker: &mut Asker, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
         if settings.method != Method::Affine {
             let before = asker.tracer.shared_cost();

@@ -32,6 +32,10 @@ const LEVELS: usize = 4;
 /// How many of the smallest cells there are along an axis.
 const FINEST: u32 = 1 << (2 * LEVELS);
 
+/// How far the tree reaches beyond the bounds to both sides of each axis, relative to their extent: so that rays that start
+/// on a face are inside, and faces of cells are not at the simple fractions of the bounds at which models have theirs.
+const ROOM: [f64; 2] = [0.007_31, 0.004_17];
+
 /// How an [`Octree`] is built.
 #[derive(Clone, Copy, Debug)]
 pub struct OctreeOptions {
@@ -145,13 +149,11 @@ impl Octree {
         (min, max): ([f64; 3], [f64; 3]),
         options: OctreeOptions,
     ) -> Self {
-        // Room for the rounding of rays that start on a face.
         let size = [0, 1, 2].map(|axis| max[axis] - min[axis]);
         let longest = size.into_iter().fold(0.0, f64::max);
-        let room = 1e-7 * longest;
         Self {
-            corner: min.map(|x| x - room),
-            step: size.map(|s| (s + 2.0 * room) / f64::from(FINEST)),
+            corner: [0, 1, 2].map(|axis| min[axis] - ROOM[0] * size[axis]),
+            step: size.map(|s| s * (1.0 + ROOM[0] + ROOM[1]) / f64::from(FINEST)),
             slack: 1e-9 * longest,
             root: Cell {
                 programs: Programs::new(&sign::sign_form(field), bindings),

@@ -1,6 +1,6 @@
 //! Roots of monotone stretches, 64 at a time.
 
-use fieldstone_field::{F64, LANES, Points, Tape, Workspace};
+use fieldstone_field::{F64, Gradients, LANES, Points, Tape, Workspace};
 use fieldstone_trace::{Certificate, Hit, Outcome, Ray};
 use std::sync::Arc;
 
@@ -9,13 +9,19 @@ const PATIENCE: u32 = 6;
 /// After so many it ends: the bracket is as short as numbers can make it.
 const MOST: u32 = 96;
 
-/// A stretch of a ray in which there is exactly one root, and the slopes of the field there.
+/// A ray that hits, and the program that is right there.
 #[derive(Clone, Debug)]
-pub(super) struct Solve {
+pub(super) struct Target {
     pub(super) ray: Ray,
     /// Where the outcome goes.
     pub(super) place: usize,
     pub(super) program: Arc<Tape>,
+}
+
+/// A stretch of a ray in which there is exactly one root, and the slopes of the field there.
+#[derive(Clone, Debug)]
+pub(super) struct Solve {
+    pub(super) target: Target,
     /// The root is here.
     pub(super) bracket: (f64, f64),
     /// Slopes along the ray: `slope` ± `spread`, without 0.
@@ -45,8 +51,9 @@ struct Lane {
 #[derive(Debug, Default)]
 pub(super) struct Solver {
     points: Workspace<F64, Points>,
+    gradients: Workspace<F64, Gradients>,
     lanes: Vec<Lane>,
-    /// Evaluations of points so far.
+    /// Evaluations of gradients so far.
     pub(super) evaluations: u64,
 }
 
@@ -54,16 +61,50 @@ impl Solver {
     /// Finds all roots, each in a bracket at most `width` wide, and writes them to the outcomes.
     pub(super) fn run(&mut self, solves: &mut [Solve], width: f64, outcomes: &mut [Outcome]) {
         // Solves of one program share their evaluations; each result depends on its own lane alone.
-        solves.sort_by_key(|solve| Arc::as_ptr(&solve.program) as usize);
-        for same in solves.chunk_by(|a, b| Arc::ptr_eq(&a.program, &b.program)) {
+        solves.sort_by_key(|solve| Arc::as_ptr(&solve.target.program) as usize);
+        for same in solves.chunk_by(|a, b| Arc::ptr_eq(&a.target.program, &b.target.program)) {
             self.lanes.clear();
             self.lanes.extend(same.iter().map(Lane::new));
-            self.run_lanes(&same[0].program, width, outcomes);
+            self.run_lanes(&same[0].target.program, width, outcomes);
+        }
+    }
+
+    /// Finds the gradients at hits: where they touch, `hair` before them.
+    pub(super) fn run_gradients<'t>(
+        &mut self,
+        targets: impl Iterator<Item = &'t Target>,
+        hair: f64,
+        outcomes: &[Outcome],
+        found: &mut [[f64; 3]],
+    ) {
+        let mut targets: Vec<&Target> = targets.collect();
+        targets.sort_by_key(|target| Arc::as_ptr(&target.program) as usize);
+        for same in targets.chunk_by(|a, b| Arc::ptr_eq(&a.program, &b.program)) {
+            for block in same.chunks(LANES) {
+                for (lane, target) in block.iter().enumerate() {
+                    let Some(hit) = outcomes[target.place].hit else { continue };
+                    let point = target.ray.at(if hit.touching { hit.t - hair } else { hit.t });
+                    for axis in 0..3 {
+                        self.gradients.input(axis, 0)[lane] = point[axis];
+                    }
+                }
+                for axis in 0..3 {
+                    for along in 0..3 {
+                        let slope = if along == axis { 1.0 } else { 0.0 };
+                        self.gradients.input(axis, 1 + along)[..block.len()].fill(slope);
+                    }
+                }
+                self.gradients.run(&same[0].program, block.len());
+                self.evaluations += block.len() as u64;
+                for (lane, target) in block.iter().enumerate() {
+                    found[target.place] = [1, 2, 3].map(|c| self.gradients.output(0, c)[lane]);
+                }
+            }
         }
     }
 
     fn run_lanes(&mut self, program: &Tape, width: f64, outcomes: &mut [Outcome]) {
-        let Self { points, lanes, evaluations } = self;
+        let Self { points, lanes, .. } = self;
         while !lanes.is_empty() {
             for block in lanes.chunks_mut(LANES) {
                 for axis in 0..3 {
@@ -73,7 +114,6 @@ impl Solver {
                     }
                 }
                 points.run(program, block.len());
-                *evaluations += block.len() as u64;
                 for (lane, &value) in block.iter_mut().zip(points.output(0, 0)) {
                     lane.take(value);
                 }
@@ -95,9 +135,9 @@ impl Lane {
     fn new(solve: &Solve) -> Self {
         let (near, far) = solve.bracket;
         Self {
-            place: solve.place,
-            origin: solve.ray.origin,
-            direction: solve.ray.direction,
+            place: solve.target.place,
+            origin: solve.target.ray.origin,
+            direction: solve.target.ray.direction,
             near,
             far,
             least: solve.slope.abs() - solve.spread,

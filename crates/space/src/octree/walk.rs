@@ -6,7 +6,7 @@
 
 use super::build::Builder;
 use super::packet::{Common, Crossing, ORDER, Packet, flip, lanes_of};
-use super::solve::{Solve, Solver};
+use super::solve::{Solve, Solver, Target};
 use super::{Cell, Node, Octree, Place};
 use fearless_simd::Level;
 use fieldstone_field::{F64, LANES, Points, Tape, Workspace};
@@ -26,6 +26,8 @@ pub struct Walker {
     packet: Box<Packet>,
     crossing: Box<Crossing>,
     solves: Vec<Solve>,
+    /// Rays whose hits have been found already.
+    marched: Vec<Target>,
     parts: Vec<Part>,
     lanes: Vec<usize>,
     level: Level,
@@ -41,6 +43,7 @@ impl Default for Walker {
             packet: Box::new(Packet::new()),
             crossing: Box::new(Crossing::new()),
             solves: Vec::new(),
+            marched: Vec::new(),
             parts: Vec::new(),
             lanes: Vec::new(),
             level: Level::new(),
@@ -76,9 +79,9 @@ impl Walker {
         Self::default()
     }
 
-    /// Evaluations that served building the tree, and not a single ray, since the walker was made.
+    /// Evaluations that built the tree or found gradients since the walker was made; all others are counted by the ray.
     pub fn shared_cost(&self) -> u64 {
-        self.builder.evaluations
+        self.builder.evaluations + self.solver.evaluations
     }
 }
 
@@ -87,15 +90,38 @@ impl Octree {
     ///
     /// Rays must stay within the bounds of the tree. Those that run close together should stand close together.
     pub fn first_hits(&self, walker: &mut Walker, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
+        self.walk_near(walker, rays, settings, None)
+    }
+
+    /// The same with the gradient at each hit, of the field or another one of its sign; NaN where nothing is hit.
+    pub fn first_hits_with_gradients(
+        &self,
+        walker: &mut Walker,
+        rays: &[Ray],
+        settings: &Settings,
+    ) -> (Vec<Outcome>, Vec<[f64; 3]>) {
+        let mut gradients = vec![[f64::NAN; 3]; rays.len()];
+        let outcomes = self.walk_near(walker, rays, settings, Some(&mut gradients));
+        (outcomes, gradients)
+    }
+
+    /// Walks with rays that begin not too far away.
+    fn walk_near(
+        &self,
+        walker: &mut Walker,
+        rays: &[Ray],
+        settings: &Settings,
+        gradients: Option<&mut [[f64; 3]]>,
+    ) -> Vec<Outcome> {
         let far = FAR * settings.size;
         if rays.iter().all(|ray| ray.is_empty() || ray.start.abs() < far) {
-            return self.walk(walker, rays, settings);
+            return self.walk(walker, rays, settings, gradients);
         }
         let near: Vec<Ray> = rays
             .iter()
             .map(|ray| Ray { origin: ray.at(ray.start), start: 0.0, end: ray.end - ray.start, ..*ray })
             .collect();
-        let mut outcomes = self.walk(walker, &near, settings);
+        let mut outcomes = self.walk(walker, &near, settings, gradients);
         for (ray, outcome) in rays.iter().zip(&mut outcomes) {
             if let Some(Hit { t, before, after, .. }) = &mut outcome.hit {
                 [t, before, after].into_iter().for_each(|t| *t += ray.start);
@@ -104,8 +130,15 @@ impl Octree {
         outcomes
     }
 
-    fn walk(&self, walker: &mut Walker, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
+    fn walk(
+        &self,
+        walker: &mut Walker,
+        rays: &[Ray],
+        settings: &Settings,
+        gradients: Option<&mut [[f64; 3]]>,
+    ) -> Vec<Outcome> {
         let mut outcomes = vec![Outcome::nothing(); rays.len()];
+        walker.marched.clear();
         walker.solves.clear();
         for (i, rays) in rays.chunks(LANES).enumerate() {
             let first = i * LANES;
@@ -122,7 +155,12 @@ impl Octree {
             }
         }
         let mut solves = std::mem::take(&mut walker.solves);
-        walker.solver.run(&mut solves, settings.tolerance * settings.size, &mut outcomes);
+        let width = settings.tolerance * settings.size;
+        walker.solver.run(&mut solves, width, &mut outcomes);
+        if let Some(gradients) = gradients {
+            let targets = solves.iter().map(|solve| &solve.target).chain(&walker.marched);
+            walker.solver.run_gradients(targets, width, &outcomes, gradients);
+        }
         walker.solves = solves;
         outcomes
     }
@@ -132,10 +170,18 @@ impl Walker {
     /// Walks through the cells of a cell that is divided.
     fn divide(&mut self, walk: &mut Walk<'_>, cell: &Cell, place: Place, common: &Common, flock: &mut Flock) {
         let node = walk.tree.node(&mut self.builder, cell, place);
-        self.cells(walk, &node, place, common, flock);
+        self.cells(walk, (&node, &cell.programs.value), place, common, flock);
     }
 
-    fn cells(&mut self, walk: &mut Walk<'_>, node: &Node, place: Place, common: &Common, flock: &mut Flock) {
+    /// Walks through the cells of a node, whose program is given.
+    fn cells(
+        &mut self,
+        walk: &mut Walk<'_>,
+        (node, program): (&Node, &Arc<Tape>),
+        place: Place,
+        common: &Common,
+        flock: &mut Flock,
+    ) {
         let tree = walk.tree;
         let unit = place.unit();
         let faces: [[f64; 5]; 3] = std::array::from_fn(|axis| {
@@ -159,7 +205,7 @@ impl Walker {
                 continue;
             }
             if is_outside || node.inside & bit != 0 {
-                self.pass(walk, set, !is_outside, flock);
+                self.pass(walk, program, (set, !is_outside), flock);
                 continue;
             }
             let cell = node.cell(number);
@@ -183,7 +229,13 @@ impl Walker {
     }
 
     /// Lets rays pass the part of a cell, from where they enter it, in which the sign is proved.
-    fn pass(&mut self, walk: &mut Walk<'_>, set: u64, inside: bool, flock: &mut Flock) {
+    fn pass(
+        &mut self,
+        walk: &mut Walk<'_>,
+        program: &Arc<Tape>,
+        (set, inside): (u64, bool),
+        flock: &mut Flock,
+    ) {
         for lane in lanes_of(set) {
             let bit = 1 << lane;
             let enter = self.crossing.enter[lane];
@@ -203,6 +255,7 @@ impl Walker {
                     touching: false,
                 });
                 outcome.certificate = outcome.certificate.max(Certificate::Tolerance);
+                self.marched.push(self.target(walk, lane, program));
                 flock.active &= !bit;
             }
         }
@@ -229,13 +282,14 @@ impl Walker {
         if set == 0 {
             return 0;
         }
-        self.pass(walk, set & positive, false, flock);
-        self.pass(walk, set & negative, true, flock);
+        let program = &cell.programs.value;
+        self.pass(walk, program, (set & positive, false), flock);
+        self.pass(walk, program, (set & negative, true), flock);
         let open = set & !(positive | negative) & flock.active;
         lanes_of(open & !flock.known)
             .for_each(|lane| self.meet_start(lane, self.crossing.enter[lane], flock));
         if cell.is_leaf {
-            self.find_starts(walk, &cell.programs.value, open & !flock.known, flock);
+            self.find_starts(walk, program, open & !flock.known, flock);
         }
         let monotone = monotone & flock.known;
         self.find_roots(walk, cell, open & flock.active & monotone, flock);
@@ -283,7 +337,7 @@ impl Walker {
             // Certainly on the other side from the start on: the surface runs along the edge of the cell.
             let wrong = if inside { c.first[lane] > c.error[lane] } else { c.first[lane] < -c.error[lane] };
             if wrong {
-                self.pass(walk, 1 << lane, !inside, flock);
+                self.pass(walk, &cell.programs.value, (1 << lane, !inside), flock);
             } else if rises == inside {
                 if c.to[lane] < c.exit[lane] {
                     self.found(walk, cell, lane, flock);
@@ -318,9 +372,7 @@ impl Walker {
             return walk.outcomes[lane].hit = Some(hit);
         }
         self.solves.push(Solve {
-            ray: self.packet.ray(lane),
-            place: walk.first + lane,
-            program: Arc::clone(&cell.programs.value),
+            target: self.target(walk, lane, &cell.programs.value),
             bracket: (from, to),
             slope: c.slope[lane],
             spread: c.spread[lane],
@@ -328,8 +380,12 @@ impl Walker {
         });
     }
 
+    fn target(&self, walk: &Walk<'_>, lane: usize, program: &Arc<Tape>) -> Target {
+        Target { ray: self.packet.ray(lane), place: walk.first + lane, program: Arc::clone(program) }
+    }
+
     /// Marches rays where the facet leaves roots possible.
-    fn march(&mut self, walk: &mut Walk<'_>, program: &Tape, set: u64, flock: &mut Flock) {
+    fn march(&mut self, walk: &mut Walk<'_>, program: &Arc<Tape>, set: u64, flock: &mut Flock) {
         if set == 0 {
             return;
         }
@@ -361,9 +417,15 @@ impl Walker {
             flock.inside = if found.ends_inside { flock.inside | bit } else { flock.inside & !bit };
             outcome.hit = found.hit;
             if found.hit.is_some() || (walk.settings.caps && outcome.starts_inside) {
+                outcome.ends_inside = found.ends_inside;
                 flock.active &= !bit;
             }
         });
+        for lane in lanes_of(set & !flock.active) {
+            if walk.outcomes[lane].hit.is_some() {
+                self.marched.push(self.target(walk, lane, program));
+            }
+        }
     }
 }
 
@@ -375,6 +437,7 @@ impl Flock {
         self.inside |= if inside { bit } else { 0 };
         walk.outcomes[lane].starts_inside = inside;
         if inside && walk.settings.caps {
+            walk.outcomes[lane].ends_inside = true;
             self.active &= !bit;
         }
     }
