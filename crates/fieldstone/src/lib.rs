@@ -109,8 +109,9 @@ pub use fieldstone_lang::{
     print_model,
 };
 pub use fieldstone_render::{
-    FoundWindow, MAX_SLICE_PIXELS, RenderError, RenderOptions, Rendered, Slice, SliceError, SlicePicture,
-    SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
+    FoundWindow, MAX_SLICE_PIXELS, RenderError, RenderOptions, Rendered, Sight, Slice, SliceError,
+    SlicePicture, SliceStats, SliceStyle, Stats, Viewer, Window, WindowExtent, draw_slice, find_window,
+    render,
 };
 pub use fieldstone_scene::{
     Aperture, Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera,
