@@ -12,7 +12,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 /// let program = Program::new();
 /// let [x, y, _] = program.point();
 /// let disc = (x.square() + y.square()).sqrt() - 1.0;
-/// assert!(program.text(disc).ends_with("_6 sub _4 _5\n"));
+/// assert!(program.text(disc).ends_with("_7 const 1\n_8 sub _6 _7\n"));
 /// ```
 #[derive(Debug)]
 pub struct Program {
