@@ -8,6 +8,7 @@ use fieldstone::{
 };
 use std::path::{Path, PathBuf};
 
+use crate::bench::BenchArguments;
 use crate::convert::ConvertArguments;
 use crate::examples;
 use crate::failure::Failure;
@@ -54,6 +55,9 @@ pub(crate) enum Command {
     /// Write a model in another language: HyperFun, a program or a formula.
     #[command(after_help = examples::CONVERT)]
     Convert(ConvertArguments),
+    /// Measure times, side by side with other programs, and how they grow.
+    #[command(after_help = examples::BENCH)]
+    Bench(Box<BenchArguments>),
     /// Print the JSON Schema of scene files, for editors.
     #[command(after_help = examples::SCHEMA)]
     Schema,

@@ -102,7 +102,7 @@ pub fn render(scene: &Scene, options: &RenderOptions<'_>) -> Result<Rendered, Re
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug)]
-struct Tile {
+pub(crate) struct Tile {
     x: u32,
     y: u32,
     width: u32,
@@ -110,7 +110,7 @@ struct Tile {
 }
 
 impl Tile {
-    fn all(width: u32, height: u32) -> Vec<Tile> {
+    pub(crate) fn all(width: u32, height: u32) -> Vec<Tile> {
         let columns = (0..width).step_by(TILE as usize);
         (0..height)
             .step_by(TILE as usize)
@@ -120,7 +120,7 @@ impl Tile {
     }
 
     /// The pixels, by blocks of 8 × 8, in the order that bundles are split in.
-    fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
+    pub(crate) fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
         let starts = |from: u32, length: u32| (from..from + length).step_by(BLOCK as usize);
         let (right, bottom) = (self.x + self.width, self.y + self.height);
         starts(self.y, self.height)

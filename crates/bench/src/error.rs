@@ -1,0 +1,56 @@
+//! Why something could not be measured.
+
+use std::io;
+
+/// Why something could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    /// No model, part or job has this name.
+    #[error("there is no {kind} `{name}`; there are {known}")]
+    Unknown {
+        /// What kind of thing was looked for.
+        kind: &'static str,
+        /// The name.
+        name: String,
+        /// The names that there are, with commas.
+        known: String,
+    },
+    /// A model could not be read or drawn.
+    #[error("{model}: {reason}")]
+    Model {
+        /// The model.
+        model: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A peer did not do what it was asked to.
+    #[error("{peer}: {reason}")]
+    Peer {
+        /// The peer.
+        peer: &'static str,
+        /// What it says.
+        reason: String,
+    },
+    /// A file or a program of the system.
+    #[error("{what}: {reason}")]
+    System {
+        /// The file or the program.
+        what: String,
+        /// What the system says.
+        reason: io::Error,
+    },
+}
+
+impl BenchError {
+    pub(crate) fn model(model: &str, reason: impl ToString) -> Self {
+        Self::Model { model: model.to_owned(), reason: reason.to_string() }
+    }
+
+    pub(crate) fn peer(peer: &'static str, reason: impl ToString) -> Self {
+        Self::Peer { peer, reason: reason.to_string() }
+    }
+
+    pub(crate) fn system(what: impl ToString, reason: io::Error) -> Self {
+        Self::System { what: what.to_string(), reason }
+    }
+}

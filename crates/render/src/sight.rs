@@ -1,0 +1,159 @@
+//! What is seen through the centres of pixels, without light: frames of a camera that moves.
+
+use crate::query::{Answer, Asker, Prepared, Surface};
+use crate::tile::{Stats, Tile};
+use fieldstone_scene::{Camera, Scene};
+use fieldstone_trace::Certificate;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Looks at a scene again and again. Its programs are compiled once, when the viewer is made.
+pub struct Viewer<'s> {
+    prepared: Prepared<'s>,
+}
+
+/// What one look found: the first hit of the ray through the centre of every pixel. Rows run from top to bottom.
+#[derive(Clone, Debug)]
+pub struct Sight {
+    /// The number of columns and of rows.
+    pub size: (u32, u32),
+    /// The distance from the eye (orthographic: from its plane) along the ray; +∞ on a miss.
+    pub depth: Vec<f32>,
+    /// The unit normal in world space, turned against the ray; 0 on a miss.
+    pub normals: Vec<[f32; 3]>,
+    /// What was spent, and what the hits and misses rest on.
+    pub stats: Stats,
+}
+
+/// A ray's first hit as a pixel shows it.
+#[derive(Clone, Copy)]
+struct Seen {
+    depth: f32,
+    normal: [f32; 3],
+    certificate: Certificate,
+}
+
+impl<'s> Viewer<'s> {
+    /// A viewer of a scene; the scene's own camera and size are not looked at.
+    pub fn new(scene: &'s Scene) -> Self {
+        Self { prepared: Prepared::new(scene) }
+    }
+
+    /// The first hits and normals that `camera` sees in an image of `size` = (width, height), each at least 1, on the
+    /// threads of the current `rayon` pool. They do not depend on the number of threads.
+    pub fn look(&self, camera: &Camera, size: (u32, u32)) -> Sight {
+        let (width, height) = size;
+        let pixels = width as usize * height as usize;
+        let mut sight = Sight {
+            size,
+            depth: vec![f32::INFINITY; pixels],
+            normals: vec![[0.0; 3]; pixels],
+            stats: Stats::default(),
+        };
+        let tiles = Tile::all(width, height);
+        let found: Vec<(Vec<Seen>, u64)> = tiles
+            .par_iter()
+            .map_init(Asker::default, |asker, tile| {
+                let before = asker.evaluations;
+                let seen = self.look_at(asker, &rays(*tile, camera, size));
+                (seen, asker.evaluations - before)
+            })
+            .collect();
+        for (tile, (seen, evaluations)) in tiles.iter().zip(&found) {
+            sight.stats.evaluations += evaluations;
+            for ((x, y), seen) in tile.pixels().zip(seen) {
+                sight.set(y as usize * width as usize + x as usize, seen);
+            }
+        }
+        sight
+    }
+
+    fn look_at(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Vec<Seen> {
+        let answers = self.prepared.surfaces(asker, rays);
+        let hit = |(answer, ray): (&Answer, &(DVec3, DVec3))| Some((answer.surface?, ray.1));
+        let hits: Vec<(Surface, DVec3)> = answers.iter().zip(rays).filter_map(hit).collect();
+        let mut normals = self.prepared.normals(asker, &hits).into_iter();
+        let seen = |answer: &Answer| {
+            let normal = answer.surface.and_then(|_| normals.next());
+            Seen {
+                depth: answer.surface.map_or(f32::INFINITY, |surface| surface.t as f32),
+                normal: normal.map_or([0.0; 3], |normal| normal.as_vec3().to_array()),
+                certificate: answer.certificate,
+            }
+        };
+        answers.iter().map(seen).collect()
+    }
+}
+
+impl Sight {
+    fn set(&mut self, pixel: usize, seen: &Seen) {
+        (self.depth[pixel], self.normals[pixel]) = (seen.depth, seen.normal);
+        self.stats.rays += 1;
+        self.stats.hits += u64::from(seen.depth.is_finite());
+        match seen.certificate {
+            Certificate::Certified => self.stats.certified += 1,
+            Certificate::Tolerance => self.stats.tolerance += 1,
+            Certificate::Undecided => self.stats.undecided += 1,
+        }
+    }
+}
+
+/// The rays through the centres of the pixels of a tile.
+fn rays(tile: Tile, camera: &Camera, (width, height): (u32, u32)) -> Vec<(DVec3, DVec3)> {
+    let (width, height) = (f64::from(width), f64::from(height));
+    let ray = |(x, y): (u32, u32)| {
+        let (u, v) = ((f64::from(x) + 0.5) / width, (f64::from(y) + 0.5) / height);
+        camera.ray(u, v, width / height)
+    };
+    tile.pixels().map(ray).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tile::{RenderOptions, render};
+    use fieldstone_field::{Bindings, Field, Graph, Input};
+    use fieldstone_scene::{Bounds, Lighting, Settings, Solid, Up};
+
+    fn ball() -> Scene {
+        let mut graph = Graph::new();
+        let squares = [0, 1, 2].map(|k| {
+            let x = graph.input(Input::Coordinate(k));
+            graph.square(x)
+        });
+        let sum = graph.add(squares[0], squares[1]);
+        let (sum, one) = (graph.add(sum, squares[2]), graph.constant(1.0));
+        let value = graph.sub(sum, one);
+        let bounds = Bounds::new(DVec3::splat(-1.1), DVec3::splat(1.1)).unwrap();
+        let solid = Solid::new(Field::new(graph, value, Vec::new()), Bindings::new(), bounds);
+        let camera = Camera::fitted(&bounds, Up::Z, 1.5);
+        let settings = Settings { size: (48, 32), samples: 1, ..Settings::default() };
+        Scene::new(vec![solid], camera, Lighting::default(), settings).unwrap()
+    }
+
+    #[test]
+    fn a_look_is_the_picture_without_its_light() {
+        let scene = ball();
+        let sight = Viewer::new(&scene).look(scene.camera(), (48, 32));
+        let film = render(&scene, &RenderOptions::default()).unwrap().film;
+        for (i, (x, y)) in (0..32).flat_map(|y| (0..48).map(move |x| (x, y))).enumerate() {
+            let pixel = film.pixel(x, y).unwrap();
+            assert_eq!((sight.depth[i], sight.normals[i]), (pixel.depth, pixel.normal), "{x}, {y}");
+        }
+        assert!(sight.stats.hits > 200 && sight.stats.certified == 48 * 32, "{:?}", sight.stats);
+    }
+
+    #[test]
+    fn the_camera_may_move() {
+        let scene = ball();
+        let viewer = Viewer::new(&scene);
+        let camera = *scene.camera();
+        let nearer = Camera::look_at(camera.eye() * 0.8, DVec3::ZERO, DVec3::Z, camera.projection()).unwrap();
+        let nearest = |camera: &Camera| {
+            let sight = viewer.look(camera, (33, 33));
+            sight.depth.iter().copied().fold(f32::INFINITY, f32::min)
+        };
+        let moved = f64::from(nearest(&camera) - nearest(&nearer));
+        assert!((moved - 0.2 * camera.eye().length()).abs() < 1e-3, "{moved}");
+    }
+}
