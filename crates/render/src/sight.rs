@@ -1,5 +1,6 @@
 //! What is seen through the centres of pixels, without light: frames of a camera that moves.
 
+use crate::object::{Meeting, ObjectRay, Sought};
 use crate::query::{Answer, Asker, Prepared, Surface};
 use crate::tile::{Stats, Tile};
 use fieldstone_scene::{Camera, Scene};
@@ -69,6 +70,49 @@ impl<'s> Viewer<'s> {
     }
 
     fn look_at(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Vec<Seen> {
+        if self.prepared.hierarchy.is_some() {
+            return self.look_among_instances(asker, rays);
+        }
+        asker.rays += rays.len() as u64;
+        let mut nearest = vec![Nearest::NOTHING; rays.len()];
+        let mut rough: Vec<(usize, Surface)> = Vec::new();
+        for (number, instance) in self.prepared.scene.instances().iter().enumerate() {
+            let object = &self.prepared.objects[instance.solid()];
+            let moved: Vec<ObjectRay> = rays
+                .iter()
+                .zip(&nearest)
+                .map(|(&(origin, direction), n)| ObjectRay { origin, direction, start: 0.0, furthest: n.far })
+                .collect();
+            object.meetings(asker, &moved, Sought::Nearest, |ray, found| {
+                let nearest = &mut nearest[ray];
+                nearest.certificate = nearest.certificate.max(found.certificate);
+                let Some(meeting) = found.meeting.filter(|meeting| nearest.is_behind(meeting)) else {
+                    return;
+                };
+                let normal = if meeting.jump { None } else { meeting.cap.or(meeting.gradient) };
+                let normal = normal.and_then(DVec3::try_normalize).filter(|n| n.is_finite());
+                if normal.is_none() {
+                    rough.push((ray, Surface::unmoved(number, object.first_part, &meeting)));
+                }
+                let normal = normal.unwrap_or_default();
+                let normal = if normal.dot(rays[ray].1) > 0.0 { -normal } else { normal };
+                (nearest.t, nearest.near, nearest.far) = (meeting.t, meeting.near, meeting.far);
+                nearest.normal = normal;
+            });
+        }
+        // The last one that a ray met is the nearest.
+        let hits: Vec<(Surface, DVec3)> =
+            rough.iter().map(|&(ray, surface)| (surface, rays[ray].1)).collect();
+        for (&(ray, surface), normal) in rough.iter().zip(self.prepared.normals(asker, &hits)) {
+            if nearest[ray].t == surface.t {
+                nearest[ray].normal = normal;
+            }
+        }
+        nearest.iter().map(Nearest::seen).collect()
+    }
+
+    /// The same where instances are moved, or many.
+    fn look_among_instances(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Vec<Seen> {
         let answers = self.prepared.surfaces(asker, rays);
         let hit = |(answer, ray): (&Answer, &(DVec3, DVec3))| Some((answer.surface?, ray.1));
         let hits: Vec<(Surface, DVec3)> = answers.iter().zip(rays).filter_map(hit).collect();
@@ -82,6 +126,36 @@ impl<'s> Viewer<'s> {
             }
         };
         answers.iter().map(seen).collect()
+    }
+}
+
+/// The nearest surface that a ray has met so far.
+#[derive(Clone, Copy)]
+struct Nearest {
+    t: f64,
+    near: f64,
+    far: f64,
+    normal: DVec3,
+    certificate: Certificate,
+}
+
+impl Nearest {
+    const NOTHING: Self = Self {
+        t: f64::INFINITY,
+        near: f64::INFINITY,
+        far: f64::INFINITY,
+        normal: DVec3::ZERO,
+        certificate: Certificate::Certified,
+    };
+
+    /// Whether a surface of a later instance goes before it: of two in the same place, that of the first does.
+    fn is_behind(&self, meeting: &Meeting) -> bool {
+        let together = meeting.near <= self.far && self.near <= meeting.far;
+        !together && meeting.t < self.t
+    }
+
+    fn seen(&self) -> Seen {
+        Seen { depth: self.t as f32, normal: self.normal.as_vec3().to_array(), certificate: self.certificate }
     }
 }
 

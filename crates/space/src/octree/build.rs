@@ -3,9 +3,9 @@
 use super::{Cell, Facet, LEVELS, Node, Octree, Place, Programs};
 use fieldstone_field::{F64, Interval, Intervals, LANES, Tape, Workspace};
 use rustc_hash::FxHashMap;
-use std::ops::Deref;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
+use typed_arena::Arena;
 
 /// Programs that keep more than this part of their instructions are not worth a copy of their own.
 const WORTH_A_COPY: f64 = 0.9;
@@ -135,23 +135,6 @@ impl Builder {
     }
 }
 
-/// A node of the tree, or one that is made for a single visit.
-pub(super) enum Lent<'c> {
-    Kept(&'c Node),
-    Made(Box<Node>),
-}
-
-impl Deref for Lent<'_> {
-    type Target = Node;
-
-    fn deref(&self) -> &Node {
-        match self {
-            Self::Kept(node) => node,
-            Self::Made(node) => node,
-        }
-    }
-}
-
 /// Whether a cell need not be divided.
 fn is_leaf(parent: &Cell, level: usize, facet: Option<Facet>, shorter: &Arc<Tape>) -> bool {
     let progress = (shorter.len() as f64) < PROGRESS * parent.programs.value.len() as f64;
@@ -164,19 +147,25 @@ fn is_leaf(parent: &Cell, level: usize, facet: Option<Facet>, shorter: &Arc<Tape
 }
 
 impl Octree {
-    /// What an open cell is divided into; made anew if there is no more room to keep it.
-    pub(super) fn node<'c>(&self, builder: &mut Builder, cell: &'c Cell, place: Place) -> Lent<'c> {
+    /// What an open cell is divided into; made anew, in the arena, if there is no more room to keep it.
+    pub(super) fn node<'c>(
+        &self,
+        builder: &mut Builder,
+        arena: &'c Arena<Node>,
+        cell: &'c Cell,
+        place: Place,
+    ) -> &'c Node {
         if let Some(node) = cell.below.get() {
-            return Lent::Kept(node);
+            return node;
         }
         if self.memory.load(Ordering::Relaxed) >= self.limit {
-            return Lent::Made(Box::new(builder.node(self, cell, place)));
+            return arena.alloc(builder.node(self, cell, place));
         }
-        Lent::Kept(cell.below.get_or_init(|| {
+        cell.below.get_or_init(|| {
             let node = Box::new(builder.node(self, cell, place));
             self.memory.fetch_add(node.bytes(&cell.programs), Ordering::Relaxed);
             node
-        }))
+        })
     }
 
     /// Half the extent of the cells of a node.

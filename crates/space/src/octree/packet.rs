@@ -49,7 +49,7 @@ pub(super) struct Common {
 
 /// Runs a loop over lanes with the widest instructions there are.
 #[inline(always)]
-fn wide<R>(level: Level, f: impl FnOnce() -> R) -> R {
+pub(super) fn wide<R>(level: Level, f: impl FnOnce() -> R) -> R {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     {
         use fearless_simd::Simd;
@@ -65,7 +65,7 @@ fn wide<R>(level: Level, f: impl FnOnce() -> R) -> R {
 }
 
 /// Lanes are worked on in chunks of so many, and chunks without a ray are left out.
-const CHUNK: usize = 8;
+pub(super) const CHUNK: usize = 8;
 
 /// The lanes of a chunk, as a set, for which a flag is 1.
 #[inline(always)]
@@ -104,6 +104,26 @@ pub(super) fn lanes_of(mut set: u64) -> impl Iterator<Item = usize> {
     })
 }
 
+/// The least and the largest number in the lanes of a set.
+#[inline(always)]
+fn range_of(lanes: &Lanes, set: u64) -> (f64, f64) {
+    let (mut least, mut largest) = ([f64::INFINITY; CHUNK], [f64::NEG_INFINITY; CHUNK]);
+    for chunk in 0..LANES / CHUNK {
+        let (eight, some) = (load(lanes, chunk), set >> (CHUNK * chunk));
+        for i in 0..CHUNK {
+            let is_in = some >> i & 1 == 1;
+            let (low, high) = if is_in { (eight[i], eight[i]) } else { (f64::INFINITY, f64::NEG_INFINITY) };
+            least[i] = if low < least[i] { low } else { least[i] };
+            largest[i] = if high > largest[i] { high } else { largest[i] };
+        }
+    }
+    let mut range = (least[0], largest[0]);
+    for i in 1..CHUNK {
+        range = (range.0.min(least[i]), range.1.max(largest[i]));
+    }
+    range
+}
+
 impl Packet {
     pub(super) fn new() -> Self {
         let zero = [0.0; LANES];
@@ -111,20 +131,41 @@ impl Packet {
     }
 
     /// Takes at most 64 rays; the set of those that are not empty.
-    pub(super) fn load(&mut self, rays: &[Ray]) -> u64 {
-        let mut set = 0;
+    pub(super) fn load(&mut self, level: Level, rays: &[Ray]) -> u64 {
         for (lane, ray) in rays.iter().enumerate() {
             for axis in 0..3 {
-                let d = ray.direction[axis];
                 self.origin[axis][lane] = ray.origin[axis];
-                self.direction[axis][lane] = d;
-                self.inverse[axis][lane] = if d.abs() < 1.0 / STEEP { STEEP.copysign(d) } else { 1.0 / d };
+                self.direction[axis][lane] = ray.direction[axis];
             }
             self.start[lane] = ray.start;
             self.end[lane] = ray.end;
-            set |= u64::from(!ray.is_empty()) << lane;
         }
-        set
+        // Nobody walks in the other lanes.
+        self.start[rays.len()..].fill(0.0);
+        self.end[rays.len()..].fill(0.0);
+        wide(
+            level,
+            #[inline(always)]
+            || {
+                let mut set = 0;
+                for chunk in 0..LANES / CHUNK {
+                    for axis in 0..3 {
+                        let mut d = load(&self.direction[axis], chunk);
+                        for x in &mut d {
+                            *x = if x.abs() < 1.0 / STEEP { STEEP.copysign(*x) } else { 1.0 / *x };
+                        }
+                        store(&mut self.inverse[axis], chunk, d);
+                    }
+                    let (start, end) = (load(&self.start, chunk), load(&self.end, chunk));
+                    let mut flags = [0; CHUNK];
+                    for i in 0..CHUNK {
+                        flags[i] = u8::from(start[i] < end[i]);
+                    }
+                    set |= set_of(flags, chunk);
+                }
+                set
+            },
+        )
     }
 
     pub(super) fn ray(&self, lane: usize) -> Ray {
@@ -139,29 +180,39 @@ impl Packet {
 
     /// Splits a set by the signs of the directions: bit 0 of the number for x, and so on.
     pub(super) fn octants(&self, set: u64) -> [u64; 8] {
-        let mut octants = [0; 8];
-        for lane in lanes_of(set) {
-            let negative = |axis: usize| usize::from(self.inverse[axis][lane] < 0.0) << axis;
-            octants[negative(0) | negative(1) | negative(2)] |= 1 << lane;
-        }
-        octants
+        let negative = [0, 1, 2].map(|axis| {
+            let mut negative = 0;
+            for (lane, inverse) in self.inverse[axis].iter().enumerate() {
+                negative |= u64::from(*inverse < 0.0) << lane;
+            }
+            negative
+        });
+        std::array::from_fn(|octant| {
+            let side = |axis: usize| if octant >> axis & 1 == 1 { negative[axis] } else { !negative[axis] };
+            set & side(0) & side(1) & side(2)
+        })
     }
 
     /// What the rays of a set have in common.
-    pub(super) fn common(&self, set: u64) -> Common {
-        let nothing = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut common =
-            Common { origin: [nothing; 3], inverse: [nothing; 3], start: nothing.0, end: nothing.1 };
-        let join = |range: &mut (f64, f64), x: f64| *range = (range.0.min(x), range.1.max(x));
-        for lane in lanes_of(set) {
-            for axis in 0..3 {
-                join(&mut common.origin[axis], self.origin[axis][lane]);
-                join(&mut common.inverse[axis], self.inverse[axis][lane]);
-            }
-            common.start = common.start.min(self.start[lane]);
-            common.end = common.end.max(self.end[lane]);
-        }
-        common
+    pub(super) fn common(&self, level: Level, set: u64) -> Common {
+        wide(
+            level,
+            #[inline(always)]
+            || Common {
+                origin: [
+                    range_of(&self.origin[0], set),
+                    range_of(&self.origin[1], set),
+                    range_of(&self.origin[2], set),
+                ],
+                inverse: [
+                    range_of(&self.inverse[0], set),
+                    range_of(&self.inverse[1], set),
+                    range_of(&self.inverse[2], set),
+                ],
+                start: range_of(&self.start, set).0,
+                end: range_of(&self.end, set).1,
+            },
+        )
     }
 
     /// Finds where the rays of a set cross a box; the set of those that do.

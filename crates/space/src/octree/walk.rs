@@ -11,7 +11,7 @@ use super::{Cell, Node, Octree, Place};
 use fearless_simd::Level;
 use fieldstone_field::{F64, LANES, Points, Tape, Workspace};
 use fieldstone_trace::{Certificate, Hit, Outcome, Part, Ray, Settings, Tracer};
-use std::sync::Arc;
+use typed_arena::Arena;
 
 /// Rays that start further away than so many times the size begin anew where they start, so that numbers stay small.
 const FAR: f64 = 64.0;
@@ -25,9 +25,6 @@ pub struct Walker {
     points: Workspace<F64, Points>,
     packet: Box<Packet>,
     crossing: Box<Crossing>,
-    solves: Vec<Solve>,
-    /// Rays whose hits have been found already.
-    marched: Vec<Target>,
     parts: Vec<Part>,
     lanes: Vec<usize>,
     level: Level,
@@ -42,8 +39,6 @@ impl Default for Walker {
             points: Workspace::new(),
             packet: Box::new(Packet::new()),
             crossing: Box::new(Crossing::new()),
-            solves: Vec::new(),
-            marched: Vec::new(),
             parts: Vec::new(),
             lanes: Vec::new(),
             level: Level::new(),
@@ -51,12 +46,18 @@ impl Default for Walker {
     }
 }
 
-/// What stays the same while a packet walks.
+/// What a call walks with.
 struct Walk<'w> {
     tree: &'w Octree,
+    /// Nodes that the tree has no room for.
+    arena: &'w Arena<Node>,
     settings: &'w Settings,
-    outcomes: &'w mut [Outcome],
-    /// The place of the first outcome among those of the whole call.
+    outcomes: Vec<Outcome>,
+    /// Rays with a root in a bracket.
+    solves: Vec<Solve<'w>>,
+    /// Rays whose hits have been found.
+    hits: Vec<Target<'w>>,
+    /// The place of the first ray of the packet.
     first: usize,
     octant: usize,
 }
@@ -137,47 +138,66 @@ impl Octree {
         settings: &Settings,
         gradients: Option<&mut [[f64; 3]]>,
     ) -> Vec<Outcome> {
-        let mut outcomes = vec![Outcome::nothing(); rays.len()];
-        walker.marched.clear();
-        walker.solves.clear();
+        let arena = Arena::new();
+        let mut walk = Walk {
+            tree: self,
+            arena: &arena,
+            settings,
+            outcomes: vec![Outcome::nothing(); rays.len()],
+            solves: Vec::with_capacity(rays.len()),
+            hits: Vec::new(),
+            first: 0,
+            octant: 0,
+        };
         for (i, rays) in rays.chunks(LANES).enumerate() {
-            let first = i * LANES;
-            let outcomes = &mut outcomes[first..first + rays.len()];
-            let set = walker.packet.load(rays);
+            walk.first = i * LANES;
+            let set = walker.packet.load(walker.level, rays);
             for (octant, set) in walker.packet.octants(set).into_iter().enumerate().filter(|(_, s)| *s != 0) {
-                let mut walk = Walk { tree: self, settings, outcomes: &mut *outcomes, first, octant };
+                walk.octant = octant;
                 let mut flock = Flock { active: set, known: 0, inside: 0 };
-                let common = walker.packet.common(set);
+                let common = walker.packet.common(walker.level, set);
                 walker.divide(&mut walk, &self.root, Place::ROOT, &common, &mut flock);
                 for lane in lanes_of(flock.active) {
-                    walk.outcomes[lane].ends_inside = flock.inside >> lane & 1 == 1;
+                    walk.outcome(lane).ends_inside = flock.inside >> lane & 1 == 1;
                 }
             }
         }
-        let mut solves = std::mem::take(&mut walker.solves);
+        let Walk { mut outcomes, mut solves, hits, .. } = walk;
         let width = settings.tolerance * settings.size;
-        walker.solver.run(&mut solves, width, &mut outcomes);
+        walker.solver.run(&mut solves, rays, width, &mut outcomes);
         if let Some(gradients) = gradients {
-            let targets = solves.iter().map(|solve| &solve.target).chain(&walker.marched);
-            walker.solver.run_gradients(targets, width, &outcomes, gradients);
+            let targets = solves.iter().map(|solve| solve.target).chain(hits);
+            walker.solver.run_gradients(targets, rays, width, &outcomes, gradients);
         }
-        walker.solves = solves;
         outcomes
+    }
+}
+
+impl Walk<'_> {
+    fn outcome(&mut self, lane: usize) -> &mut Outcome {
+        &mut self.outcomes[self.first + lane]
     }
 }
 
 impl Walker {
     /// Walks through the cells of a cell that is divided.
-    fn divide(&mut self, walk: &mut Walk<'_>, cell: &Cell, place: Place, common: &Common, flock: &mut Flock) {
-        let node = walk.tree.node(&mut self.builder, cell, place);
-        self.cells(walk, (&node, &cell.programs.value), place, common, flock);
+    fn divide<'w>(
+        &mut self,
+        walk: &mut Walk<'w>,
+        cell: &'w Cell,
+        place: Place,
+        common: &Common,
+        flock: &mut Flock,
+    ) {
+        let node = walk.tree.node(&mut self.builder, walk.arena, cell, place);
+        self.cells(walk, (node, &cell.programs.value), place, common, flock);
     }
 
     /// Walks through the cells of a node, whose program is given.
-    fn cells(
+    fn cells<'w>(
         &mut self,
-        walk: &mut Walk<'_>,
-        (node, program): (&Node, &Arc<Tape>),
+        walk: &mut Walk<'w>,
+        (node, program): (&'w Node, &'w Tape),
         place: Place,
         common: &Common,
         flock: &mut Flock,
@@ -217,7 +237,7 @@ impl Walker {
                 self.march(walk, &cell.programs.value, set, flock);
             } else if 4 * set.count_ones() <= 3 * flock.active.count_ones() {
                 let mut some = Flock { active: set, ..*flock };
-                let common = self.packet.common(set);
+                let common = self.packet.common(self.level, set);
                 self.divide(walk, cell, place.child(number), &common, &mut some);
                 flock.merge(set, some);
             } else {
@@ -229,10 +249,10 @@ impl Walker {
     }
 
     /// Lets rays pass the part of a cell, from where they enter it, in which the sign is proved.
-    fn pass(
+    fn pass<'w>(
         &mut self,
-        walk: &mut Walk<'_>,
-        program: &Arc<Tape>,
+        walk: &mut Walk<'w>,
+        program: &'w Tape,
         (set, inside): (u64, bool),
         flock: &mut Flock,
     ) {
@@ -245,7 +265,7 @@ impl Walker {
             } else if (flock.inside & bit != 0) != inside {
                 // The surface runs along the edge of the cell.
                 let width = walk.settings.tolerance * walk.settings.size;
-                let outcome = &mut walk.outcomes[lane];
+                let outcome = walk.outcome(lane);
                 outcome.hit = Some(Hit {
                     t: enter,
                     before: enter - width,
@@ -255,7 +275,7 @@ impl Walker {
                     touching: false,
                 });
                 outcome.certificate = outcome.certificate.max(Certificate::Tolerance);
-                self.marched.push(self.target(walk, lane, program));
+                walk.hits.push(Target { place: walk.first + lane, program });
                 flock.active &= !bit;
             }
         }
@@ -269,7 +289,7 @@ impl Walker {
     }
 
     /// Settles what the facet of an open cell can; the set of rays that need a closer look.
-    fn settle(&mut self, walk: &mut Walk<'_>, cell: &Cell, set: u64, flock: &mut Flock) -> u64 {
+    fn settle<'w>(&mut self, walk: &mut Walk<'w>, cell: &'w Cell, set: u64, flock: &mut Flock) -> u64 {
         let Some(facet) = &cell.facet else {
             self.crossing.from = self.crossing.enter;
             self.crossing.to = self.crossing.exit;
@@ -282,7 +302,7 @@ impl Walker {
         if set == 0 {
             return 0;
         }
-        let program = &cell.programs.value;
+        let program: &Tape = &cell.programs.value;
         self.pass(walk, program, (set & positive, false), flock);
         self.pass(walk, program, (set & negative, true), flock);
         let open = set & !(positive | negative) & flock.active;
@@ -306,9 +326,9 @@ impl Walker {
         self.evaluate(program, |walker, lane| walker.packet.start[lane]);
         for (i, &lane) in self.lanes.iter().enumerate() {
             let value = self.points.output(0, 0)[i];
-            walk.outcomes[lane].cost += 1;
+            walk.outcome(lane).cost += 1;
             if value.is_nan() {
-                walk.outcomes[lane].certificate = Certificate::Undecided;
+                walk.outcome(lane).certificate = Certificate::Undecided;
             }
             flock.start(lane, value < 0.0, walk);
         }
@@ -328,7 +348,7 @@ impl Walker {
     }
 
     /// Rays along which the field is monotone: one root, or none.
-    fn find_roots(&mut self, walk: &mut Walk<'_>, cell: &Cell, set: u64, flock: &mut Flock) {
+    fn find_roots<'w>(&mut self, walk: &mut Walk<'w>, cell: &'w Cell, set: u64, flock: &mut Flock) {
         self.lanes.clear();
         for lane in lanes_of(set) {
             let inside = flock.inside >> lane & 1 == 1;
@@ -352,7 +372,7 @@ impl Walker {
         self.evaluate(&cell.programs.value, |walker, lane| walker.crossing.exit[lane]);
         for i in 0..self.lanes.len() {
             let (lane, value) = (self.lanes[i], self.points.output(0, 0)[i]);
-            walk.outcomes[lane].cost += 1;
+            walk.outcome(lane).cost += 1;
             let inside = flock.inside >> lane & 1 == 1;
             if (value < 0.0) != inside && !(walk.settings.surface && value == 0.0) {
                 self.found(walk, cell, lane, flock);
@@ -361,7 +381,7 @@ impl Walker {
     }
 
     /// There is exactly one root, where the facet leaves it possible.
-    fn found(&mut self, walk: &mut Walk<'_>, cell: &Cell, lane: usize, flock: &mut Flock) {
+    fn found<'w>(&mut self, walk: &mut Walk<'w>, cell: &'w Cell, lane: usize, flock: &mut Flock) {
         let c = &self.crossing;
         let (from, to) = (c.from[lane], c.to[lane].max(c.from[lane]));
         flock.active &= !(1 << lane);
@@ -369,10 +389,10 @@ impl Walker {
             let entering = flock.inside >> lane & 1 == 0;
             let t = 0.5 * (from + to);
             let hit = Hit { t, before: from, after: to, entering, jump: false, touching: false };
-            return walk.outcomes[lane].hit = Some(hit);
+            return walk.outcome(lane).hit = Some(hit);
         }
-        self.solves.push(Solve {
-            target: self.target(walk, lane, &cell.programs.value),
+        walk.solves.push(Solve {
+            target: Target { place: walk.first + lane, program: &cell.programs.value },
             bracket: (from, to),
             slope: c.slope[lane],
             spread: c.spread[lane],
@@ -380,12 +400,8 @@ impl Walker {
         });
     }
 
-    fn target(&self, walk: &Walk<'_>, lane: usize, program: &Arc<Tape>) -> Target {
-        Target { ray: self.packet.ray(lane), place: walk.first + lane, program: Arc::clone(program) }
-    }
-
     /// Marches rays where the facet leaves roots possible.
-    fn march(&mut self, walk: &mut Walk<'_>, program: &Arc<Tape>, set: u64, flock: &mut Flock) {
+    fn march<'w>(&mut self, walk: &mut Walk<'w>, program: &'w Tape, set: u64, flock: &mut Flock) {
         if set == 0 {
             return;
         }
@@ -401,13 +417,13 @@ impl Walker {
             }
             let inside = known.then_some(flock.inside >> lane & 1 == 1);
             self.lanes.push(lane);
-            self.parts.push(Part { ray, spent: walk.outcomes[lane].cost, inside });
+            self.parts.push(Part { ray, spent: walk.outcome(lane).cost, inside });
         }
         let (lanes, parts) = (&self.lanes, &self.parts);
         self.tracer.march(program, parts, walk.settings, |place, found| {
             let lane = lanes[place];
-            let bit = 1 << lane;
-            let outcome = &mut walk.outcomes[lane];
+            let (bit, caps) = (1 << lane, walk.settings.caps);
+            let outcome = walk.outcome(lane);
             outcome.cost += found.cost;
             outcome.certificate = outcome.certificate.max(found.certificate);
             if parts[place].inside.is_none() {
@@ -416,14 +432,14 @@ impl Walker {
             flock.known |= bit;
             flock.inside = if found.ends_inside { flock.inside | bit } else { flock.inside & !bit };
             outcome.hit = found.hit;
-            if found.hit.is_some() || (walk.settings.caps && outcome.starts_inside) {
+            if found.hit.is_some() || (caps && outcome.starts_inside) {
                 outcome.ends_inside = found.ends_inside;
                 flock.active &= !bit;
             }
         });
         for lane in lanes_of(set & !flock.active) {
-            if walk.outcomes[lane].hit.is_some() {
-                self.marched.push(self.target(walk, lane, program));
+            if walk.outcome(lane).hit.is_some() {
+                walk.hits.push(Target { place: walk.first + lane, program });
             }
         }
     }
@@ -435,9 +451,9 @@ impl Flock {
         let bit = 1 << lane;
         self.known |= bit;
         self.inside |= if inside { bit } else { 0 };
-        walk.outcomes[lane].starts_inside = inside;
+        walk.outcome(lane).starts_inside = inside;
         if inside && walk.settings.caps {
-            walk.outcomes[lane].ends_inside = true;
+            walk.outcome(lane).ends_inside = true;
             self.active &= !bit;
         }
     }
