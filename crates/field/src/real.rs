@@ -115,8 +115,26 @@ pub trait Double: Real {
     fn exponent(self) -> Self;
     /// a/2ᵏ, at least 1 and below 2, for normal positive numbers.
     fn significand(self) -> Self;
-    /// The upper 26 bits of the significand: the product of two such numbers is exact.
+    /// The significand rounded to 26 bits: the product of two such numbers is exact, and so are those of what is left.
     fn high_part(self) -> Self;
+
+    /// a·b − c rounded once, where the processor has an instruction for it.
+    #[inline(always)]
+    fn fused(self, _other: Self, _c: Self) -> Option<Self> {
+        None
+    }
+
+    /// a·b − `product`, the rounding error of a product: exact, and so the same with a fused operation and without, where no
+    /// part of it overflows or underflows (Dekker 1971).
+    #[inline(always)]
+    fn product_error(self, other: Self, product: Self) -> Self {
+        if let Some(error) = self.fused(other, product) {
+            return error;
+        }
+        let (a, b) = (self.high_part(), other.high_part());
+        let (a_rest, b_rest) = (self - a, other - b);
+        ((a * b - product) + a * b_rest + a_rest * b) + a_rest * b_rest
+    }
 
     /// The nearest whole number, halves to even, for |a| < 2⁵¹.
     #[inline(always)]
@@ -136,8 +154,9 @@ const EXPONENT_BIAS: f64 = 1023.0;
 const ONE: u64 = 1f64.to_bits();
 /// The bits of a significand behind the point.
 const SIGNIFICAND: u64 = (1 << SIGNIFICAND_BITS) - 1;
-/// All bits but the 27 last ones.
+/// All bits but the 27 last ones, and half of the last that it leaves.
 const HIGH_PART: u64 = !((1 << 27) - 1);
+const HALF_OF_HIGH_PART: u64 = 1 << 26;
 
 /// A whole power by repeated squaring; exact wherever every step is.
 #[inline(always)]

@@ -14,6 +14,9 @@ const QUARTER_PI: [f64; 2] = [0.785_398_163_397_448_3, 3.061_616_997_868_383e-17
 /// tan(π/8) and tan(3π/8).
 const BREAKS: [f64; 2] = [0.414_213_562_373_095_03, 2.414_213_562_373_095];
 
+/// Below, a quotient is one number: 2⁻⁹⁰⁰.
+const LEAST_PAIR: f64 = 1.183_052_186_166_774_7e-271;
+
 /// (arctan t / t − 1)/z for z = t² ≤ tan²(π/8): error 2⁻⁵⁸.
 #[inline(always)]
 fn atan_rest<R: Double>(z: R, zz: R) -> R {
@@ -72,6 +75,9 @@ fn angle<R: Double>(y: R, x: R, behind: R::Mask) -> R {
     let above = either(middle, difference, either(steep, Pair { high: -x, low: zero }, flat));
     let below = either(middle, sum, Pair { high: R::pick(steep, y, x), low: zero });
     let t = above.over(below);
+    // What is left over of so small a quotient underflows, on some processors before others.
+    let small = t.high.magnitude().is_lt(y.like(LEAST_PAIR));
+    let t = Pair { high: t.high, low: R::pick(small, zero, t.low) };
 
     let forward = Pair {
         high: R::pick(steep, y.like(HALF_PI[0]), R::pick(middle, y.like(QUARTER_PI[0]), zero)),

@@ -85,7 +85,6 @@ fn ln_pair<R: Double>(x: R) -> Pair<R> {
     let one = x.like(1.0);
     let f = Pair { high: m - one, low: x.like(0.0) };
     let s = f.over(Pair::ordered_sum(one, m));
-    let s = Pair::ordered_sum(s.high, s.low);
     let z = s.times(s);
     let [t, t_low] = TWO_THIRDS;
     let far = z.high * artanh_far_rest(z.high, z.high * z.high);
@@ -95,7 +94,7 @@ fn ln_pair<R: Double>(x: R) -> Pair<R> {
     let factor = Pair::ordered_sum(x.like(2.0), rest.high);
     let of_m = s.times(Pair { high: factor.high, low: factor.low + rest.low });
     let sum = Pair::ordered_sum(e * x.like(first), of_m.high);
-    Pair::ordered_sum(sum.high, sum.low + (of_m.low + e * x.like(second)))
+    Pair { high: sum.high, low: sum.low + (of_m.low + e * x.like(second)) }
 }
 
 /// e^(y·ln|x|), y·ln|x| as a pair, with the special values of the standard library's `powf` for a positive zero.
@@ -108,7 +107,7 @@ pub(super) fn pow<R: Double>(x: R, y: R) -> R {
     let reach = x.like(1e22);
     let limited = with_sign_of(y, R::pick(reach.is_lt(y.magnitude()), reach, y.magnitude()));
     let product = Pair::product(limited, ln.high);
-    let power = exp_pair(Pair { high: product.high, low: product.low + limited * ln.low });
+    let power = exp_pair(Pair::ordered_sum(product.high, product.low + limited * ln.low));
 
     let grows = one.is_lt(size) & zero.is_lt(y) | size.is_lt(one) & y.is_lt(zero);
     let extreme = size.is_eq(zero) | size.is_eq(infinity);

@@ -2,7 +2,7 @@
 
 use crate::real::Double;
 
-/// high + low, |low| ≤ ulp(high): about twice as many digits.
+/// high + low, a few units in the last place of `high`: about twice as many digits.
 #[derive(Clone, Copy)]
 pub(super) struct Pair<R> {
     pub(super) high: R,
@@ -31,14 +31,11 @@ impl<R: Double> Pair<R> {
         Self { high, low: (a - (high - part)) + (b - part) }
     }
 
-    /// a·b, to one unit of 2⁻¹⁰⁵, where no part of it underflows.
+    /// a·b exactly, where no part of it underflows.
     #[inline(always)]
     pub(super) fn product(a: R, b: R) -> Self {
         let high = a * b;
-        let (a_high, b_high) = (a.high_part(), b.high_part());
-        let (a_low, b_low) = (a - a_high, b - b_high);
-        let low = ((a_high * b_high - high) + a_high * b_low + a_low * b_high) + a_low * b_low;
-        Self { high, low }
+        Self { high, low: a.product_error(b, high) }
     }
 
     /// The product of two pairs, to a few units of 2⁻¹⁰⁴.
@@ -46,7 +43,7 @@ impl<R: Double> Pair<R> {
     pub(super) fn times(self, other: Self) -> Self {
         let product = Self::product(self.high, other.high);
         let cross = self.high * other.low + self.low * other.high;
-        Self::ordered_sum(product.high, product.low + cross)
+        Self { high: product.high, low: product.low + cross }
     }
 
     /// The quotient of two pairs: a first quotient, and what it leaves over.

@@ -251,23 +251,25 @@ impl<R: Real> Domain for Interval<R> {
     /// For positive bases the extremes lie in the corners; otherwise only one whole exponent is defined.
     #[inline(always)]
     fn pow(self, other: Self) -> Self {
-        let corners = [
-            self.lo.apply2(other.lo, Pow),
-            self.lo.apply2(other.hi, Pow),
-            self.hi.apply2(other.lo, Pow),
-            self.hi.apply2(other.hi, Pow),
-        ];
         let single = other.lo.is_eq(other.hi);
-        let positive =
-            self.zero().is_lt(self.lo) | (self.zero().is_le(self.lo) & self.zero().is_lt(other.lo));
-        let range = Self::hull4(corners, function_ulps::<R>()).at_least(self.zero());
+        let (a, b) = (self.lo.apply2(other.lo, Pow), self.hi.apply2(other.lo, Pow));
+        // Of a single exponent these are the same.
+        let (c, d) = if R::any(!single) {
+            (self.lo.apply2(other.hi, Pow), self.hi.apply2(other.hi, Pow))
+        } else {
+            (a, b)
+        };
+        let zero = self.zero();
+        let positive = zero.is_lt(self.lo) | (zero.is_le(self.lo) & zero.is_lt(other.lo));
+        let range = Self::hull4([a, b, c, d], function_ulps::<R>()).at_least(zero);
         let even = (other.lo * self.constant_real(0.5)).round_down() * self.constant_real(2.0);
         let is_even = single & even.is_eq(other.lo);
         let is_odd = single & !is_even & other.lo.round_down().is_eq(other.lo);
-        let rising_whole = (is_even | is_odd) & self.zero().is_lt(other.lo);
+        let rising_whole = (is_even | is_odd) & zero.is_lt(other.lo);
+        let least = R::pick(self.straddles_zero(), zero, a.lesser(b));
         let through_zero = Self::rounded(
-            R::pick(is_even, Domain::abs(self).lo.apply2(other.lo, Pow), corners[0]),
-            R::pick(is_even, Domain::abs(self).hi.apply2(other.lo, Pow), corners[2]),
+            R::pick(is_even, least, a),
+            R::pick(is_even, a.greater(b), b),
             function_ulps::<R>(),
         );
         let any_nan = self.lo.is_nan_mask() | other.lo.is_nan_mask();

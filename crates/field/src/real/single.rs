@@ -1,6 +1,9 @@
 //! Numbers one at a time.
 
-use super::{Double, EXPONENT_BIAS, HIGH_PART, LAST_WHOLE, ONE, Real, SIGNIFICAND, SIGNIFICAND_BITS, Scalar};
+use super::{
+    Double, EXPONENT_BIAS, HALF_OF_HIGH_PART, HIGH_PART, LAST_WHOLE, ONE, Real, SIGNIFICAND,
+    SIGNIFICAND_BITS, Scalar,
+};
 use crate::elementary::{self, Elementary, Elementary2, LIBRARY_ULPS};
 
 impl Scalar for f64 {
@@ -154,6 +157,6 @@ impl Double for f64 {
     }
     #[inline(always)]
     fn high_part(self) -> Self {
-        f64::from_bits(self.to_bits() & HIGH_PART)
+        f64::from_bits((self.to_bits() + HALF_OF_HIGH_PART) & HIGH_PART)
     }
 }

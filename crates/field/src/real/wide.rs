@@ -1,6 +1,9 @@
 //! Numbers side by side in SIMD registers.
 
-use super::{Double, EXPONENT_BIAS, HIGH_PART, LAST_WHOLE, ONE, Real, SIGNIFICAND, SIGNIFICAND_BITS, Scalar};
+use super::{
+    Double, EXPONENT_BIAS, HALF_OF_HIGH_PART, HIGH_PART, LAST_WHOLE, ONE, Real, SIGNIFICAND,
+    SIGNIFICAND_BITS, Scalar,
+};
 use crate::elementary::{self, Elementary, Elementary2, OWN_ULPS};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, SimdNarrow, SimdWiden};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -222,8 +225,29 @@ impl<S: Simd> Double for Wide64<S> {
     }
     #[inline(always)]
     fn high_part(self) -> Self {
-        Self { value: S::f64s::from_bits(self.value.to_bits() & HIGH_PART), ..self }
+        let bits = (self.value.to_bits() + HALF_OF_HIGH_PART) & HIGH_PART;
+        Self { value: S::f64s::from_bits(bits), ..self }
     }
+    #[inline(always)]
+    fn fused(self, other: Self, c: Self) -> Option<Self> {
+        if !has_fused_operations(self.token) {
+            return None;
+        }
+        Some(Self { value: self.value.mul_sub_precise(other.value, c.value), ..self })
+    }
+}
+
+/// Known when the evaluators are compiled.
+#[inline(always)]
+fn has_fused_operations<S: Simd>(simd: S) -> bool {
+    let level = simd.level();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    let has = level.as_avx2().is_some();
+    #[cfg(target_arch = "aarch64")]
+    let has = level.as_neon().is_some();
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
+    let has = false;
+    has
 }
 
 /// Elementary functions over double precision: each is compiled once for a set of instructions and called by all
