@@ -6,11 +6,12 @@
 use super::pair::Pair;
 use super::{polynomial, with_sign_of};
 use crate::real::Double;
+use std::f64::consts;
 
-const PI: [f64; 2] = [3.141_592_653_589_793, 1.224_646_799_147_353_2e-16];
+const PI: [f64; 2] = [consts::PI, 1.224_646_799_147_353_2e-16];
 const THREE_QUARTERS_PI: [f64; 2] = [2.356_194_490_192_345, 9.184_850_993_605_148e-17];
-const HALF_PI: [f64; 2] = [1.570_796_326_794_896_6, 6.123_233_995_736_766e-17];
-const QUARTER_PI: [f64; 2] = [0.785_398_163_397_448_3, 3.061_616_997_868_383e-17];
+const HALF_PI: [f64; 2] = [consts::FRAC_PI_2, 6.123_233_995_736_766e-17];
+const QUARTER_PI: [f64; 2] = [consts::FRAC_PI_4, 3.061_616_997_868_383e-17];
 /// tan(π/8) and tan(3π/8).
 const BREAKS: [f64; 2] = [0.414_213_562_373_095_03, 2.414_213_562_373_095];
 
