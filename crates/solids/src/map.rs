@@ -147,6 +147,17 @@ pub fn repeat_times(graph: &mut Graph, at: Point, axis: usize, period: NodeId, c
     })
 }
 
+/// Repeated along an axis in its direction: `count` in all (a whole number from 1 on), `period` > 0 apart, of which the
+/// original is the first.
+pub fn repeat_onward(graph: &mut Graph, at: Point, axis: usize, period: NodeId, count: NodeId) -> Point {
+    mapped(graph, at, |p| {
+        let (period, count) = (beside(p, period), beside(p, count));
+        let (along, across) = p.along_and_across(axis % 3);
+        let nearest = (along / period + 0.5).floor().clamp(0.0, count - 1.0);
+        from_frame(axis, along - period * nearest, across)
+    })
+}
+
 /// Repeated `count` times around an axis: what lies in the sector about the first axis across it, turned.
 pub fn polar_repeat(graph: &mut Graph, at: Point, axis: usize, count: NodeId) -> Point {
     mapped(graph, at, |p| {
