@@ -14,6 +14,7 @@ mod files;
 mod finish;
 mod keys;
 mod light;
+mod map;
 mod material;
 mod motion;
 mod number;
