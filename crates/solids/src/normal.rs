@@ -5,6 +5,7 @@
 //! that depend on the normal move with their solid so.
 
 use crate::expression::{Expr, Vector, write};
+use crate::map::nearest_sector;
 use fieldstone_field::{Graph, NodeId};
 
 /// A point or a normal, by the nodes of its coordinates.
@@ -78,9 +79,10 @@ pub fn mirror_normal(graph: &mut Graph, at: (Point, Point)) -> Point {
 /// Of [`polar_repeat`](crate::polar_repeat) around z.
 pub fn polar_repeat_normal(graph: &mut Graph, at: (Point, Point), count: NodeId) -> Point {
     normal(graph, at, |p, n| {
-        let sector = std::f64::consts::TAU / p.0[0].sibling(count);
-        let angle = sector * (p.0[1].atan2(p.0[0]) / sector + 0.5).floor();
-        turned_back(n, angle.sin(), angle.cos())
+        let [u, v, _] = p.0;
+        let angle = nearest_sector([u, v.abs()], u.sibling(count));
+        let sign = v.lt(0.0).select(-1.0, 1.0);
+        turned_back(n, sign * angle.sin(), angle.cos())
     })
 }
 
