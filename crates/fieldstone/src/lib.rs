@@ -68,6 +68,7 @@ mod document;
 mod endless;
 mod evaluate;
 mod extent;
+mod eye;
 mod frames;
 mod inputs;
 mod load;

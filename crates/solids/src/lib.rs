@@ -11,6 +11,7 @@ pub mod expression;
 mod map;
 mod minimum;
 mod noise;
+mod normal;
 mod points;
 mod slope;
 mod spline;
@@ -22,11 +23,14 @@ mod weight;
 pub use blend::{Blend, Blended, Joint, join, linear};
 pub use combine::{offset, product, shell};
 pub use map::{
-    affine, bend, invert, mirror, mirror_across, moved, polar_repeat, repeat, repeat_times, rotate, scale,
-    taper, translate, twist,
+    affine, bend, invert, mirror, mirror_across, moved, polar_repeat, repeat, repeat_onward, repeat_times,
+    rotate, scale, taper, translate, twist,
 };
 pub use minimum::{Minimum, MinimumError};
 pub use noise::gradient_noise;
+pub use normal::{
+    bend_normal, invert_normal, mirror_normal, polar_repeat_normal, taper_normal, twist_normal,
+};
 pub use points::{Kernel, MAX_POINTS, PointCloud, PointError, Points, Reconstruction};
 pub use spline::{Basis, SplineError, SplineVolume};
 pub use sweep::{CURVE_PARAMETER, Curve, CurveError, PROJECTION_PARTS, project, sweep, tube};

@@ -1,5 +1,9 @@
 //! The table of all keys of scene files. Checks, suggestions and the JSON Schema are made from it.
 
+mod space;
+
+pub(super) use space::{MAPS, MOTION, STEP};
+
 /// What a value may be.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
@@ -37,6 +41,8 @@ pub(super) enum Shape {
     Face,
     /// A motion, or a list of them.
     Motions,
+    /// A motion or a mapping of space, or a list of them.
+    Steps,
     /// A table with these keys.
     Table(&'static Section),
     /// A list of such values; at least one.
@@ -99,7 +105,7 @@ const fn key(name: &'static str, shape: Shape, about: &'static str) -> Key {
 
 use Shape::{
     Channel, Choice, Colour, ColourChannel, Either, Face, File, Flag, Formula, LightChannel, List, Material,
-    Matrix, Motions, Named, Number, Numbers, OneOrMany, Solid, Table, Text, Whole,
+    Motions, Named, Number, Numbers, OneOrMany, Solid, Steps, Table, Text, Whole,
 };
 
 /// The keys that say what a solid is; it has exactly one.
@@ -126,12 +132,15 @@ pub(super) const OF_OBJECTS: [&str; 9] =
 const METHODS: Shape = Choice(&["affine", "interval", "sampled"]);
 const CONDITIONS: Shape = OneOrMany(&Formula);
 
+const PLANE_OFFSET: Key =
+    key("offset", Number, "The plane is normal·p = offset, for a normal of length 1; default: 0.");
+
 pub(super) static SECTION: Section = Section {
     name: "a section",
     shared: &[],
     keys: &[
         key("normal", Numbers(3), "The direction of what is removed."),
-        key("offset", Number, "The plane is normal·p = offset, for a normal of length 1; default: 0."),
+        PLANE_OFFSET,
         key(
             "material",
             Material,
@@ -284,7 +293,17 @@ pub(super) static SOLID: Section = Section {
         ),
         key("material", Material, "Its material; default: that of what it is part of."),
         key("back", Material, "The material of its surface from inside; default: as from outside."),
-        key("transform", Motions, "Motions, applied in this order; default: none."),
+        key("transform", Steps, "Motions and mappings of space, applied in this order; default: none."),
+        key(
+            "offset",
+            Number,
+            "How far its surface is moved out, where its function is a distance; default: 0.",
+        ),
+        key(
+            "shell",
+            Number,
+            "A wall along its surface, so thick where its function is a distance; default: none.",
+        ),
         key(
             "set_operations",
             Choice(&["minmax", "r"]),
@@ -326,7 +345,7 @@ pub(super) static OBJECT: Section = Section {
     keys: &[
         key("solid", Solid, "What stands there."),
         key("material", Material, "Its material instead of its own."),
-        key("transform", Motions, "Motions, applied in this order; default: none."),
+        key("transform", Steps, "Motions and mappings of space, applied in this order; default: none."),
         key("instances", List(&Motions), "Motions of each copy, after `transform`."),
         key("scatter", Table(&SCATTER), "Copies at random places."),
         key("grid", Table(&GRID), "Copies in rows."),
@@ -477,26 +496,6 @@ pub(super) static SCENE: Section = Section {
         key("environment", Table(&ENVIRONMENT), "What is around the scene."),
         key("camera", Table(&CAMERA), "From where it is seen."),
         key("render", Table(&RENDER), "How it is drawn."),
-    ],
-};
-
-pub(super) static ROTATION: Section = Section {
-    name: "a rotation",
-    shared: &[],
-    keys: &[
-        key("axis", Numbers(3), "The axis, through the origin."),
-        key("degrees", Number, "Counter-clockwise, seen from the end of the axis."),
-    ],
-};
-
-pub(super) static MOTION: Section = Section {
-    name: "a motion",
-    shared: &[],
-    keys: &[
-        key("translate", Numbers(3), "By a vector."),
-        key("rotate", Table(&ROTATION), "About an axis through the origin."),
-        key("scale", Either(&Number, &Numbers(3)), "By a factor, or one for each axis."),
-        key("matrix", Matrix, "Three rows of three numbers, or four, the last a translation."),
     ],
 };
 

@@ -204,7 +204,8 @@ impl<'d> Composer<'_, 'd> {
     }
 }
 
-fn needed<'d>(value: &Value, table: &'d Table, key: &str, example: &str) -> Outcome<&'d Value> {
+/// A value that a table must have; `example` shows such a table.
+pub(super) fn needed<'d>(value: &Value, table: &'d Table, key: &str, example: &str) -> Outcome<&'d Value> {
     table.get(key).ok_or_else(|| {
         let error = value.error(format!("`{key}` is missing"), "incomplete");
         error.with_help(format!("write {example}")).into()
