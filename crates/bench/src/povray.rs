@@ -31,9 +31,8 @@ const AMBIENT: f64 = 0.25;
 
 /// The size at which the bound of the gradient is sought, and how long a picture may take there, in seconds.
 const TRIAL: (u32, f64) = (128, 20.0);
-/// Pictures agree if no more of their pixels differ, without and with the shadow: edges fall on either side of pixel
-/// centres, those of shadows more so.
-const AGREE: [f64; 2] = [0.001, 0.005];
+/// Pictures agree if no more of their pixels differ: edges fall on either side of pixel centres.
+const AGREE: f64 = 0.001;
 /// The largest bound of the gradient that is tried.
 const STEEPEST: f64 = 65536.0;
 
@@ -160,7 +159,7 @@ impl<'p> Subject<'p> {
         let mut steepness = 1.0;
         while steepness <= STEEPEST {
             match (self.differs(steepness, false, &ours)?, self.differs(steepness, true, &shadowed)?) {
-                (Some(plain), Some(shadow)) if plain <= AGREE[0] && shadow <= AGREE[1] => {
+                (Some(plain), Some(shadow)) if plain.max(shadow) <= AGREE => {
                     return Ok(Some(steepness));
                 }
                 (Some(_), Some(_)) => steepness *= 2.0,
