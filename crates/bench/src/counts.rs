@@ -1,7 +1,7 @@
 //! Instruction counts: a guard that does not depend on how quiet the machine is.
 //!
-//! Callgrind counts the instructions of a process that draws one small frame on one thread. It shows programs a processor
-//! with AVX2 and without AVX-512, so that the same evaluators are counted on every machine; where it does not, nothing is
+//! Callgrind counts the instructions of two processes: one prepares a model, the other draws one small frame of it as well,
+//! on one thread; the frame is the difference. It shows programs a processor with AVX2 and without AVX-512, so that the same evaluators are counted on every machine; where it does not, nothing is
 //! counted.
 
 use crate::error::BenchError;
@@ -9,10 +9,11 @@ use crate::plan::Plan;
 use crate::report::{CountRow, Report};
 use crate::worker::{self, Work};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The models whose frames are counted: polynomials, sines, exponentials, set operations.
-const COUNTED: [&str; 4] = ["tangle", "gyroid", "creature", "building"];
+const COUNTED: [&str; 4] = ["tangle", "gyroid", "creature", "gear"];
 
 /// The ratios to the committed counts that pass. More is a loss; less is a gain that wants to be committed.
 pub const BAND: (f64, f64) = (0.90, 1.05);
@@ -37,23 +38,43 @@ pub(crate) fn measure(
     }
     let committed = committed(plan)?;
     for model in COUNTED.iter().filter(|model| plan.wants(model)) {
-        let job = format!("frame:{model}");
-        progress(&job);
-        let inside = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"].map(str::to_owned);
-        let (work, messages) = worker::run(worker::command(worker, Some(&inside), &job), &job)?;
-        let instructions = collected(&messages);
-        match (work, instructions) {
-            (Work::Frame { vectors, .. }, Some(instructions)) if vectors == "AVX2" => {
-                let committed = committed.get(*model).copied();
-                report.counts.push(CountRow { job: (*model).to_owned(), instructions, committed });
+        progress(&format!("instructions of {model}"));
+        let [setup, both] = ["setup", "frame"].map(|what| count(worker, &format!("{what}:{model}")));
+        match (setup?, both?) {
+            (Count::Avx2(setup), Count::Avx2(both)) => {
+                for (what, instructions) in [("setup", setup), ("frame", both.saturating_sub(setup))] {
+                    let job = format!("{model} {what}");
+                    let committed = committed.get(&job).copied();
+                    report.counts.push(CountRow { job, instructions, committed });
+                }
             }
-            (Work::Frame { vectors, .. }, Some(_)) => {
-                report.skipped.push(format!("instructions of {model}: counted with {vectors}, not AVX2"));
+            (Count::Other(vectors), _) | (_, Count::Other(vectors)) => {
+                let reason = format!("instructions of {model}: valgrind shows {vectors}, not AVX2");
+                report.skipped.push(reason);
             }
-            _ => return Err(BenchError::peer("callgrind", format!("no count of {model}:\n{messages}"))),
         }
     }
     Ok(())
+}
+
+/// What was counted.
+enum Count {
+    /// Instructions, with the evaluators for AVX2.
+    Avx2(u64),
+    /// Nothing that can be compared: with other evaluators.
+    Other(String),
+}
+
+fn count(worker: &Path, job: &str) -> Result<Count, BenchError> {
+    let inside = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"].map(str::to_owned);
+    let (work, messages) = worker::run(worker::command(worker, Some(&inside), job), job)?;
+    match (work, collected(&messages)) {
+        (Work::Frames { vectors, .. }, Some(instructions)) if vectors == "AVX2" => {
+            Ok(Count::Avx2(instructions))
+        }
+        (Work::Frames { vectors, .. }, Some(_)) => Ok(Count::Other(vectors)),
+        _ => Err(BenchError::peer("callgrind", format!("no count of {job}:\n{messages}"))),
+    }
 }
 
 fn has_valgrind() -> bool {

@@ -1,6 +1,7 @@
 //! Why something could not be measured.
 
 use std::io;
+use std::path::PathBuf;
 
 /// Why something could not be measured.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +32,14 @@ pub enum BenchError {
         /// What it says.
         reason: String,
     },
+    /// A folder of the gallery cannot be read.
+    #[error("{}: {}; run it in the folder of the sources, or name the gallery with --gallery", folder.display(), without_code(reason))]
+    Gallery {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        reason: io::Error,
+    },
     /// A file or a program of the system.
     #[error("{what}: {reason}")]
     System {
@@ -39,6 +48,12 @@ pub enum BenchError {
         /// What the system says.
         reason: io::Error,
     },
+}
+
+/// What the system says, without the number of the error.
+fn without_code(reason: &io::Error) -> String {
+    let text = reason.to_string();
+    text.split(" (os error").next().unwrap_or_default().to_owned()
 }
 
 impl BenchError {

@@ -122,9 +122,9 @@ fn plane_peers(_: &str, _: u32, _: usize) -> Result<Vec<Box<dyn Contestant>>, Be
     Ok(Vec::new())
 }
 
-/// The files of a folder with these extensions, in order.
+/// The files of a folder of the gallery with these extensions, in order.
 pub(crate) fn files_in(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, BenchError> {
-    let failed = |e| BenchError::system(folder.display(), e);
+    let failed = |e| BenchError::Gallery { folder: folder.to_owned(), reason: e };
     let entries = std::fs::read_dir(folder).map_err(failed)?;
     let mut files = Vec::new();
     for entry in entries {

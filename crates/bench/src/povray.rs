@@ -32,7 +32,7 @@ const AMBIENT: f64 = 0.25;
 /// The size at which the bound of the gradient is sought, and how long a picture may take there, in seconds.
 const TRIAL: (u32, f64) = (128, 20.0);
 /// Pictures agree if no more of their pixels differ: edges fall on either side of pixel centres.
-const AGREE: f64 = 0.01;
+const AGREE: f64 = 0.001;
 /// The largest bound of the gradient that is tried.
 const STEEPEST: f64 = 65536.0;
 
@@ -154,18 +154,26 @@ impl<'p> Subject<'p> {
 
     /// The least power of two that draws the whole solid with its shadow; `None` if that takes too long.
     fn steepness(&self) -> Result<Option<f64>, BenchError> {
-        let (size, limit) = TRIAL;
-        let ours = self.ours(&self.scene(size, true)?, 2)?;
+        let ours = self.ours(&self.scene(TRIAL.0, false)?, 2)?;
+        let shadowed = self.ours(&self.scene(TRIAL.0, true)?, 2)?;
         let mut steepness = 1.0;
         while steepness <= STEEPEST {
-            let job = Job { text: self.text(steepness, true), size, threads: 2, limit_seconds: limit };
-            let Some(drawn) = self.pov.draw(&job)? else { return Ok(None) };
-            if different(&ours, &drawn.picture)? <= AGREE {
-                return Ok(Some(steepness));
+            match (self.differs(steepness, false, &ours)?, self.differs(steepness, true, &shadowed)?) {
+                (Some(plain), Some(shadow)) if plain.max(shadow) <= AGREE => {
+                    return Ok(Some(steepness));
+                }
+                (Some(_), Some(_)) => steepness *= 2.0,
+                _ => return Ok(None),
             }
-            steepness *= 2.0;
         }
         Ok(None)
+    }
+
+    /// In which part of the pixels of a small picture POV-Ray's differs; `None` if it takes too long.
+    fn differs(&self, steepness: f64, shadow: bool, ours: &Film) -> Result<Option<f64>, BenchError> {
+        let (size, limit_seconds) = TRIAL;
+        let job = Job { text: self.text(steepness, shadow), size, threads: 2, limit_seconds };
+        self.pov.draw(&job)?.map(|drawn| different(ours, &drawn.picture)).transpose()
     }
 
     fn row(

@@ -1,5 +1,6 @@
 //! Jobs that run in a process of their own, so that their memory and their instructions can be told apart.
 
+use crate::contest::Contestant;
 use crate::error::BenchError;
 use crate::growth;
 use crate::models::MODELS;
@@ -7,7 +8,7 @@ use crate::ours::{Frames, Prepared};
 use crate::report::{GrowthRow, vectors};
 use crate::view::Lens;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::Command;
 
 /// Pixels along each side of a frame whose instructions are counted.
@@ -18,16 +19,17 @@ const COUNTED_SIZE: u32 = 96;
 pub enum Work {
     /// A point of a curve.
     Growth(GrowthRow),
-    /// A frame was drawn, whose instructions somebody counts.
-    Frame {
-        /// How many of its pixels are certified.
+    /// Frames were drawn, whose instructions somebody counts.
+    Frames {
+        /// How many pixels of the last one are certified.
         certified: u64,
         /// The widest vectors that the processor has, or that the counter pretends to have.
         vectors: String,
     },
 }
 
-/// Does a job: `growth:WHAT:COUNT` or `frame:MODEL`.
+/// Does a job: `growth:WHAT:COUNT`, `setup:MODEL` (all that comes before the first frame) or `frame:MODEL` (that and a
+/// frame).
 ///
 /// # Errors
 /// A job that there is not; what could not be measured.
@@ -35,27 +37,28 @@ pub fn work(job: &str) -> Result<Work, BenchError> {
     let unknown = || BenchError::Unknown {
         kind: "job",
         name: job.to_owned(),
-        known: "growth:WHAT:COUNT and frame:MODEL".to_owned(),
+        known: "growth:WHAT:COUNT, setup:MODEL and frame:MODEL".to_owned(),
     };
     match job.split(':').collect::<Vec<_>>()[..] {
         ["growth", what, count] => {
             Ok(Work::Growth(growth::point(what, count.parse().map_err(|_| unknown())?)?))
         }
-        ["frame", name] => frame(name),
+        ["setup", name] => frames(name, 0),
+        ["frame", name] => frames(name, 1),
         _ => Err(unknown()),
     }
 }
 
-/// One frame of a model on one thread.
-fn frame(name: &str) -> Result<Work, BenchError> {
+/// Frames of a model on one thread.
+fn frames(name: &str, count: u32) -> Result<Work, BenchError> {
     let Some(model) = MODELS.iter().find(|model| model.name == name && !model.is_flat) else {
         let known = MODELS.map(|model| model.name).join(", ");
         return Err(BenchError::Unknown { kind: "model", name: name.to_owned(), known });
     };
     let prepared = read(&model.text())?;
     let mut frames = Frames::new(&prepared, Lens::Perspective, COUNTED_SIZE, 1)?;
-    crate::contest::Contestant::draw(&mut frames, 0)?;
-    Ok(Work::Frame { certified: frames.stats().certified, vectors: vectors().to_owned() })
+    (0..count).try_for_each(|frame| frames.draw(frame))?;
+    Ok(Work::Frames { certified: frames.stats().certified, vectors: vectors().to_owned() })
 }
 
 /// A program, read from a file as users read it.
@@ -67,7 +70,7 @@ pub(crate) fn read(text: &str) -> Result<Prepared, BenchError> {
 }
 
 /// The worker that does a job in a process of its own, perhaps inside of another program.
-pub(crate) fn command(worker: &PathBuf, inside: Option<&[String]>, job: &str) -> Command {
+pub(crate) fn command(worker: &Path, inside: Option<&[String]>, job: &str) -> Command {
     let mut command = match inside {
         Some([program, options @ ..]) => {
             let mut command = Command::new(program);

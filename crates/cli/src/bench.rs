@@ -3,7 +3,7 @@
 use crate::arguments::{METHOD, OUTPUT, VIEW};
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
-use fieldstone::write_beside;
+use fieldstone::{check_writable, write_beside};
 use fieldstone_bench::{BenchError, Lens, Part, Plan, Report, outside_of_band, to_commit, work};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -86,6 +86,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<(), Failure> {
     }
     let formats: Vec<Format> =
         arguments.output.iter().map(|path| Format::of(path)).collect::<Result<_, _>>()?;
+    for path in &arguments.output {
+        check_writable(path)?;
+    }
     let plan = plan(arguments);
     let report = plan.run(&mut |what| eprintln!("{what}"))?;
     let text = report.markdown();

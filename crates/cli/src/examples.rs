@@ -220,6 +220,7 @@ mod tests {
             "gallery/README.md",
             "docs/commands.md",
             "docs/gallery.md",
+            "docs/performance.md",
             "docs/hyperfun.md",
             "docs/hyperfun/tutorial.md",
         ];

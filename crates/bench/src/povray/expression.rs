@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn formulas_are_written_out() {
         assert_eq!(of("x^2 + y^3 - 1").unwrap(), "(((x*x)+(y*y*y))-1.0)");
-        assert_eq!(of("r = 2; x^500 - sin(r*y)").unwrap(), "(pow(x,500)-sin((y*2.0)))");
+        assert_eq!(of("r = 2; x^500 - sin(r*y)").unwrap(), "(pow(x,500)-sin((2.0*y)))");
         assert_eq!(of("min(x, -z)").unwrap(), "min(x,(-z))");
     }
 
