@@ -12,7 +12,7 @@
 //! in proportion; that is no bounce. Certificates of pixels are about the first hits of their own rays.
 
 use crate::bsdf::{Chance, Meeting, Onward, Scatter};
-use crate::lamps::{Lamps, Seen, choice};
+use crate::lamps::{Lamps, Seen, Sent, Wishes, choice};
 use crate::media::Media;
 use crate::query::{Answer, Asker, Prepared, Surface};
 use crate::sampling::{derive, point};
@@ -62,7 +62,9 @@ pub(crate) struct Sample {
     pub(crate) colour: Rgb,
     /// How much of the background is covered.
     pub(crate) alpha: f64,
-    /// Whether chance had a part in the colour.
+    /// The variance of its luminance by the choice of places on lamps and of directions of the sky.
+    pub(crate) variance: f64,
+    /// Whether other rays might have been followed, so that its variance is not known.
     pub(crate) by_chance: bool,
     /// How many rays were followed for it.
     followed: u32,
@@ -88,6 +90,21 @@ struct Path {
     index: u32,
 }
 
+/// What a thread needs to follow light.
+#[derive(Default)]
+pub(crate) struct Worker {
+    pub(crate) asker: Asker,
+    wishes: Wishes,
+}
+
+/// Rays that look for surfaces together.
+struct Wave<'w> {
+    paths: &'w [Path],
+    /// Which of them met a surface, and the surfaces, with the directions from which they are seen.
+    hits: Vec<usize>,
+    surfaces: Vec<(Surface, DVec3)>,
+}
+
 /// Follows light through a scene.
 pub(crate) struct Integrator<'s, 'p> {
     prepared: &'p Prepared<'s>,
@@ -103,7 +120,7 @@ impl<'s, 'p> Integrator<'s, 'p> {
     }
 
     /// What comes back along each ray from the eye.
-    pub(crate) fn radiance(&self, asker: &mut Asker, rays: &[EyeRay]) -> Vec<Sample> {
+    pub(crate) fn radiance(&self, worker: &mut Worker, rays: &[EyeRay]) -> Vec<Sample> {
         let bounces_left = self.prepared.scene.settings().bounces;
         let start = |(sample, ray): (usize, &EyeRay)| Path {
             origin: ray.origin,
@@ -120,22 +137,23 @@ impl<'s, 'p> Integrator<'s, 'p> {
             index: ray.index,
         };
         let first: Vec<Path> = rays.iter().enumerate().map(start).collect();
-        let answers = self.surfaces(asker, &first);
+        let answers = self.surfaces(&mut worker.asker, &first);
         let empty = |answer: &Answer| Sample {
             answer: *answer,
             normal: DVec3::ZERO,
             colour: DVec3::ZERO,
             alpha: 0.0,
+            variance: 0.0,
             by_chance: false,
             followed: 1,
         };
         let mut samples: Vec<Sample> = answers.iter().map(empty).collect();
-        let mut waiting = self.follow(asker, &first, &answers, &mut samples);
+        let mut waiting = self.follow(worker, &first, &answers, &mut samples);
         while !waiting.is_empty() {
             // The last ones first: what waits stays little, however rays branch.
             let wave = waiting.split_off(waiting.len().saturating_sub(TOGETHER));
-            let answers = self.surfaces(asker, &wave);
-            waiting.extend(self.follow(asker, &wave, &answers, &mut samples));
+            let answers = self.surfaces(&mut worker.asker, &wave);
+            waiting.extend(self.follow(worker, &wave, &answers, &mut samples));
         }
         samples
     }
@@ -148,13 +166,13 @@ impl<'s, 'p> Integrator<'s, 'p> {
     /// Adds what rays bring back from what they met to their samples; the rays from which more light comes.
     fn follow(
         &self,
-        asker: &mut Asker,
+        worker: &mut Worker,
         paths: &[Path],
         answers: &[Answer],
         samples: &mut [Sample],
     ) -> Vec<Path> {
-        let mut hits: Vec<(Path, Surface)> = Vec::with_capacity(paths.len());
-        for (path, answer) in paths.iter().zip(answers) {
+        let mut wave = Wave { paths, hits: Vec::new(), surfaces: Vec::new() };
+        for (i, (path, answer)) in paths.iter().zip(answers).enumerate() {
             // Volume segments will go before the surface, front to back.
             let furthest = answer.surface.map_or(f64::INFINITY, |s| s.t);
             let _none = self.prepared.segments(&(path.origin, path.direction), furthest);
@@ -162,11 +180,14 @@ impl<'s, 'p> Integrator<'s, 'p> {
                 continue;
             }
             match answer.surface {
-                Some(surface) => hits.push((path.after(surface.t), surface)),
+                Some(surface) => {
+                    wave.hits.push(i);
+                    wave.surfaces.push((surface, path.direction));
+                }
                 None => self.leaves(path, samples),
             }
         }
-        self.scatter(asker, &hits, samples)
+        self.scatter(worker, &wave, samples)
     }
 
     /// Whether a ray meets a lamp that is a body before it has gone so far; its light is added then.
@@ -193,32 +214,25 @@ impl<'s, 'p> Integrator<'s, 'p> {
         }
     }
 
-    fn scatter(&self, asker: &mut Asker, hits: &[(Path, Surface)], samples: &mut [Sample]) -> Vec<Path> {
-        let queries: Vec<(Surface, DVec3)> = hits.iter().map(|(p, s)| (*s, p.direction)).collect();
-        let normals = self.prepared.normals(asker, &queries);
-        let looks = self.prepared.appearances(asker, &queries);
-        let crossings: Vec<Crossing> = hits
-            .iter()
-            .zip(normals.iter().zip(&looks))
-            .map(|((path, surface), (normal, look))| self.crossing(path, surface, *normal, look))
-            .collect();
-        let seen: Vec<Seen> = crossings.iter().map(Crossing::seen).collect();
-        let sent = self.lamps.light(asker, &seen);
+    fn scatter(&self, worker: &mut Worker, wave: &Wave<'_>, samples: &mut [Sample]) -> Vec<Path> {
+        let Worker { asker, wishes } = worker;
+        let normals = self.prepared.normals(asker, &wave.surfaces);
+        let looks = self.prepared.appearances(asker, &wave.surfaces);
         let mut onward = Vec::new();
-        for (crossing, sent) in crossings.iter().zip(sent) {
-            let (path, look) = (&crossing.path, &crossing.look);
+        for (hit, &path) in wave.hits.iter().enumerate() {
+            let surface = &wave.surfaces[hit].0;
+            let path = wave.paths[path].after(surface.t);
+            let crossing = self.crossing(&path, surface, normals[hit], &looks[hit]);
+            let ambient = self.lamps.ask(wishes, &crossing.seen());
             let sample = &mut samples[path.sample];
-            if path.of_sight && path.passed == 0 {
-                sample.normal = crossing.normal;
-            }
-            let unlit = if let Scatter::Unlit(colour) = crossing.scatter { colour } else { DVec3::ZERO };
-            path.bring_share(sent.colour + unlit + look.emission, look.opacity, sample);
-            sample.by_chance |= sent.by_chance;
+            crossing.shine(ambient, sample);
             let faintest = self.faintest(sample.followed);
             let before = onward.len();
             crossing.go_on(faintest, sample, &mut onward);
             sample.followed += (onward.len() - before) as u32;
+            self.lamps.grant(asker, wishes, false, |sample, sent| samples[sample].get(sent));
         }
+        self.lamps.grant(asker, wishes, true, |sample, sent| samples[sample].get(sent));
         onward
     }
 
@@ -228,45 +242,63 @@ impl<'s, 'p> Integrator<'s, 'p> {
         FAINTEST * excess.powi(3).max(1.0)
     }
 
-    fn crossing(&self, path: &Path, surface: &Surface, normal: DVec3, look: &Appearance) -> Crossing {
+    fn crossing<'c>(
+        &self,
+        path: &'c Path,
+        surface: &'c Surface,
+        normal: DVec3,
+        look: &'c Appearance,
+    ) -> Crossing<'c> {
         let solid = &self.prepared.scene.solids()[self.prepared.scene.instances()[surface.instance].solid()];
-        let passage = path.media.passage(surface.instance, look, surface.from_inside);
         // A surface without an inside, or one with holes in it, has the same on both sides.
         let thin = solid.is_surface() || !solid.conditions().is_empty();
+        let passage = path.media.passage(surface.instance, look, surface.from_inside);
         let (eta, beyond) = if thin { (look.index, path.media) } else { (passage.eta, passage.beyond) };
         let meeting = Meeting { direction: path.direction, normal, eta, thin };
         let outward = if surface.from_inside { -normal } else { normal };
         let scatter = Scatter::new(look, &meeting, outward);
-        Crossing { path: *path, surface: *surface, normal, look: *look, scatter, beyond }
+        Crossing { path, surface, normal, look, scatter, beyond }
     }
 }
 
 /// A ray at a surface.
-struct Crossing {
-    path: Path,
-    surface: Surface,
+struct Crossing<'c> {
+    /// As it arrives.
+    path: &'c Path,
+    surface: &'c Surface,
     normal: DVec3,
-    look: Appearance,
+    look: &'c Appearance,
     scatter: Scatter,
     /// The bodies that the ray is in if it goes through.
     beyond: Media,
 }
 
-impl Crossing {
-    fn seen(&self) -> Seen {
+impl Crossing<'_> {
+    fn seen(&self) -> Seen<'_> {
         Seen {
-            surface: self.surface,
+            place: self.surface.before,
             normal: self.normal,
-            scatter: self.scatter,
+            scatter: &self.scatter,
+            sample: self.path.sample,
+            weight: self.path.throughput * self.look.opacity,
             seed: self.path.seed,
             index: self.path.index,
             by_chance: self.path.by_chance,
         }
     }
 
+    /// Adds the light that needs no further ray: ambient light, and what the surface gives off.
+    fn shine(&self, ambient: Rgb, sample: &mut Sample) {
+        if self.path.of_sight && self.path.passed == 0 {
+            sample.normal = self.normal;
+        }
+        let unlit = if let Scatter::Unlit(colour) = self.scatter { colour } else { DVec3::ZERO };
+        self.path.bring_share(ambient + unlit + self.look.emission, self.look.opacity, sample);
+    }
+
     /// Adds the rays from which more light comes; of those fainter than `faintest` only some.
     fn go_on(&self, faintest: f64, sample: &mut Sample, onward: &mut Vec<Path>) {
-        let (path, look) = (&self.path, &self.look);
+        let (path, look) = (self.path, self.look);
         if look.opacity < 1.0 && path.passed < MOST_PASSED {
             let throughput = path.throughput * (1.0 - look.opacity);
             let (passed, seed) = (path.passed + 1, derive(path.seed, branch::STRAIGHT));
@@ -286,7 +318,7 @@ impl Crossing {
     }
 
     fn bounced(&self, ray: &Onward) -> Path {
-        let path = &self.path;
+        let path = self.path;
         let (origin, media) = match ray.through {
             true => (self.surface.behind, self.beyond),
             false => (self.surface.before, path.media),
@@ -303,6 +335,14 @@ impl Crossing {
             seed: derive(path.seed, if ray.through { branch::THROUGH } else { branch::MIRROR }),
             ..*path
         }
+    }
+}
+
+impl Sample {
+    /// Adds the light of a lamp or of the sky.
+    fn get(&mut self, sent: Sent) {
+        self.colour += sent.colour;
+        self.variance += sent.variance;
     }
 }
 
@@ -385,7 +425,7 @@ mod tests {
         let direction = DVec3::new(1.0, 0.03, 0.05).normalize();
         let ray = |index| EyeRay { origin: DVec3::new(-4.0, 0.1, 0.2), direction, seed: 7, index };
         let rays: Vec<EyeRay> = (0..rays).map(ray).collect();
-        integrator.radiance(&mut Asker::default(), &rays)
+        integrator.radiance(&mut Worker::default(), &rays)
     }
 
     #[test]

@@ -55,6 +55,11 @@ pub(crate) fn point(index: u32, seed: u32) -> (f64, f64) {
     (unit(scramble(x, derive(seed, 1))), unit(scramble(y, derive(seed, 2))))
 }
 
+/// The luminance of light, by the weights of ITU-R BT.709.
+pub(crate) fn luminance(light: fieldstone_scene::Rgb) -> f64 {
+    light.dot(glam::DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
 /// From the unit square to the unit disc, keeping areas in proportion and neighbours together (Shirley and Chiu 1997).
 pub(crate) fn disc((u, v): (f64, f64)) -> (f64, f64) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);

@@ -1,7 +1,8 @@
 //! The picture, tile by tile on all cores.
 
-use crate::integrator::{EyeRay, Integrator, Sample};
+use crate::integrator::{EyeRay, Integrator, Sample, Worker};
 use crate::lamps::choice;
+use crate::noise::{AT_FIRST, Tally, VISIBLE, shown_error};
 use crate::query::{Asker, Prepared};
 use crate::sampling::{derive, disc, hash, point};
 use crate::sky::Sky;
@@ -145,14 +146,15 @@ struct Placed {
     x: u32,
     y: u32,
     pixel: Pixel,
-    /// Whether chance had a part in its colour.
-    by_chance: bool,
+    /// Whether chance had a part in its colour that one may see.
+    is_noisy: bool,
 }
 
 /// The picture; `None` if the work was cancelled.
 ///
-/// The second pass takes more samples of pixels that differ from a neighbour, and of those in whose colour chance has a
-/// part: light of area lights and of the sky on matt surfaces, rough surfaces that mirror. A lens makes that all pixels.
+/// The second pass takes more samples of pixels that differ from a neighbour, and of those in whose colour, or in a
+/// neighbour's, chance has a part that one may see: in half shadows, under a sky that is partly hidden, where rough
+/// surfaces mirror. A lens makes that all pixels.
 fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
     let prepared = Prepared::new(scene);
     let sky = Sky::new(scene);
@@ -163,21 +165,21 @@ fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
     let painter = Painter { tiles: Tile::all(width, height), passes, done: AtomicUsize::new(0), options };
     let mut stats = Stats::default();
     let mut film = Film::new(width, height);
-    let mut by_chance = vec![has_lens; width as usize * height as usize];
+    let mut noisy = vec![has_lens; width as usize * height as usize];
     for band in painter.bands() {
         let done = painter
-            .work(band, &mut stats, |asker, tile| look_through_centres(scene, &integrator, asker, tile))?;
+            .work(band, &mut stats, |worker, tile| look_through_centres(scene, &integrator, worker, tile))?;
         for placed in done.iter().flatten() {
             stats.count(&placed.pixel);
             film.set(placed.x, placed.y, &placed.pixel);
-            by_chance[placed.y as usize * width as usize + placed.x as usize] |= placed.by_chance;
+            noisy[placed.y as usize * width as usize + placed.x as usize] |= placed.is_noisy;
         }
     }
     if passes == 2 {
-        let unsettled = unsettled(&film, by_chance);
+        let unsettled = unsettled(&film, &noisy);
         for band in painter.bands() {
             let seen = Seen { film: &film, unsettled: &unsettled };
-            let refine = |asker: &mut Asker, tile| refine_tile(scene, &integrator, asker, tile, &seen);
+            let refine = |worker: &mut Worker, tile| refine_tile(scene, &integrator, worker, tile, &seen);
             let done = painter.work(band, &mut stats, refine)?;
             done.iter().flatten().for_each(|placed| film.set(placed.x, placed.y, &placed.pixel));
         }
@@ -205,18 +207,18 @@ impl Painter<'_> {
         &self,
         band: &[Tile],
         stats: &mut Stats,
-        work: impl Fn(&mut Asker, Tile) -> Vec<Placed> + Sync,
+        work: impl Fn(&mut Worker, Tile) -> Vec<Placed> + Sync,
     ) -> Option<Vec<Vec<Placed>>> {
         let results: Option<Vec<(Vec<Placed>, Spent)>> = band
             .par_iter()
-            .map_init(Asker::default, |asker, &tile| {
+            .map_init(Worker::default, |worker, &tile| {
                 if self.options.is_cancelled() {
                     return None;
                 }
-                let spent = Spent::start(asker);
-                let result = work(asker, tile);
+                let spent = Spent::start(&worker.asker);
+                let result = work(worker, tile);
                 self.report();
-                Some((result, spent.end(asker)))
+                Some((result, spent.end(&worker.asker)))
             })
             .collect();
         let unpack = |(result, spent): (Vec<Placed>, Spent)| {
@@ -269,7 +271,7 @@ impl Stats {
 fn look_through_centres(
     scene: &Scene,
     integrator: &Integrator<'_, '_>,
-    asker: &mut Asker,
+    worker: &mut Worker,
     tile: Tile,
 ) -> Vec<Placed> {
     let ray = |(x, y)| {
@@ -277,14 +279,20 @@ fn look_through_centres(
         EyeRay { origin, direction, seed: seed(x, y), index: 0 }
     };
     let rays: Vec<EyeRay> = tile.pixels().map(ray).collect();
-    let samples = integrator.radiance(asker, &rays);
+    let samples = integrator.radiance(worker, &rays);
     let place = |((x, y), sample): ((u32, u32), &Sample)| Placed {
         x,
         y,
         pixel: to_pixel(sample),
-        by_chance: sample.by_chance,
+        is_noisy: is_noisy(scene, sample),
     };
     tile.pixels().zip(&samples).map(place).collect()
+}
+
+/// Whether a sample alone is too little, because other choices might have made it visibly different.
+fn is_noisy(scene: &Scene, sample: &Sample) -> bool {
+    let error = shown_error(&scene.settings().tone, sample.colour, sample.variance.sqrt());
+    sample.by_chance || error > VISIBLE
 }
 
 /// What chance depends on in a pixel.
@@ -318,18 +326,20 @@ struct Seen<'f> {
     unsettled: &'f [bool],
 }
 
-/// Which pixels need more samples, row by row: those of chance, and those that differ from one of their eight
-/// neighbours.
-fn unsettled(film: &Film, by_chance: Vec<bool>) -> Vec<bool> {
+/// Which pixels need more samples, row by row: those that are noisy, or differ from one of their eight neighbours, and
+/// their neighbours: where a shadow begins, some pixels see nothing of it by chance.
+fn unsettled(film: &Film, noisy: &[bool]) -> Vec<bool> {
     let (width, height) = (film.width(), film.height());
-    let mut unsettled = by_chance;
+    let mut unsettled = noisy.to_vec();
     unsettled.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
         for (is_unsettled, x) in row.iter_mut().zip(0..width) {
             let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
             let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
             let Some(here) = film.pixel(x, y) else { continue };
             let differs = |u, v| film.pixel(u, v).is_some_and(|there| differ(&here, &there));
-            *is_unsettled |= (above..=below).any(|v| (left..=right).any(|u| differs(u, v)));
+            let is_noisy = |u: u32, v: u32| noisy[v as usize * width as usize + u as usize];
+            let unsettles = |u, v| is_noisy(u, v) || differs(u, v);
+            *is_unsettled |= (above..=below).any(|v| (left..=right).any(|u| unsettles(u, v)));
         }
     });
     unsettled
@@ -339,31 +349,67 @@ fn unsettled(film: &Film, by_chance: Vec<bool>) -> Vec<bool> {
 fn refine_tile(
     scene: &Scene,
     integrator: &Integrator<'_, '_>,
-    asker: &mut Asker,
+    worker: &mut Worker,
     tile: Tile,
     seen: &Seen<'_>,
 ) -> Vec<Placed> {
     let width = seen.film.width() as usize;
     let is_unsettled = |x: u32, y: u32| seen.unsettled[y as usize * width + x as usize];
-    let pixels: Vec<(u32, u32, Pixel)> = tile
+    let mut pixels: Vec<Refined> = tile
         .pixels()
         .filter(|&(x, y)| is_unsettled(x, y))
-        .filter_map(|(x, y)| seen.film.pixel(x, y).map(|pixel| (x, y, pixel)))
+        .filter_map(|(x, y)| seen.film.pixel(x, y).map(|pixel| Refined::new(scene, (x, y), pixel)))
         .collect();
-    let some = (SAMPLES_TOGETHER / scene.settings().samples as usize).max(1);
-    pixels.chunks(some).flat_map(|pixels| refine(scene, integrator, asker, pixels)).collect()
+    let all = scene.settings().samples;
+    let (mut from, mut to) = (known_samples(scene), AT_FIRST.min(all));
+    while from < to {
+        let mut noisy: Vec<&mut Refined> = pixels.iter_mut().filter(|p| p.is_noisy).collect();
+        let some = (SAMPLES_TOGETHER / (to - from) as usize).max(1);
+        noisy.chunks_mut(some).for_each(|some| refine(scene, integrator, worker, some, from..to));
+        (from, to) = (to, to.saturating_mul(2).min(all));
+    }
+    pixels.iter().map(Refined::placed).collect()
 }
 
-/// All samples of each pixel. The one through its centre is known, unless there is a lens: that one went through the
-/// middle of it.
+/// How many samples of a pixel the first pass took: the one through its centre, unless there is a lens, when that one
+/// went through the middle of it.
+fn known_samples(scene: &Scene) -> u32 {
+    u32::from(scene.camera().aperture().is_none())
+}
+
+/// A pixel on its way to all the samples it needs.
+struct Refined {
+    x: u32,
+    y: u32,
+    centre: Pixel,
+    tally: Tally,
+    is_noisy: bool,
+}
+
+impl Refined {
+    fn new(scene: &Scene, (x, y): (u32, u32), centre: Pixel) -> Self {
+        let mut tally = Tally::default();
+        if known_samples(scene) > 0 {
+            tally.add(colour(&centre), f64::from(centre.alpha));
+        }
+        Self { x, y, centre, tally, is_noisy: true }
+    }
+
+    fn placed(&self) -> Placed {
+        let (colour, alpha) = self.tally.mean();
+        let pixel = Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..self.centre };
+        Placed { x: self.x, y: self.y, pixel, is_noisy: self.is_noisy }
+    }
+}
+
+/// More samples of each pixel.
 fn refine(
     scene: &Scene,
     integrator: &Integrator<'_, '_>,
-    asker: &mut Asker,
-    pixels: &[(u32, u32, Pixel)],
-) -> Vec<Placed> {
-    let all = scene.settings().samples;
-    let known = u32::from(scene.camera().aperture().is_none());
+    worker: &mut Worker,
+    pixels: &mut [&mut Refined],
+    samples: std::ops::Range<u32>,
+) {
     let ray = |x: u32, y: u32, index: u32| {
         let (u, v) = place_in_pixel(index as usize);
         let place = (f64::from(x) + u, f64::from(y) + v);
@@ -372,20 +418,12 @@ fn refine(
         EyeRay { origin, direction, seed: seed(x, y), index }
     };
     let rays: Vec<EyeRay> =
-        pixels.iter().flat_map(|&(x, y, _)| (known..all).map(move |index| ray(x, y, index))).collect();
-    let samples = integrator.radiance(asker, &rays);
-    let weight = 1.0 / f64::from(all);
-    let sum = |(&(x, y, centre), samples): (&(u32, u32, Pixel), &[Sample])| {
-        let (first, cover) = match known {
-            1 => (colour(&centre), f64::from(centre.alpha)),
-            _ => (DVec3::ZERO, 0.0),
-        };
-        let colour = (first + samples.iter().map(|s| s.colour).sum::<DVec3>()) * weight;
-        let alpha = (cover + samples.iter().map(|s| s.alpha).sum::<f64>()) * weight;
-        let pixel = Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..centre };
-        Placed { x, y, pixel, by_chance: false }
-    };
-    pixels.iter().zip(samples.chunks((all - known) as usize)).map(sum).collect()
+        pixels.iter().flat_map(|p| samples.clone().map(move |index| ray(p.x, p.y, index))).collect();
+    let found = integrator.radiance(worker, &rays);
+    for (pixel, samples) in pixels.iter_mut().zip(found.chunks(samples.len().max(1))) {
+        samples.iter().for_each(|sample| pixel.tally.add(sample.colour, sample.alpha));
+        pixel.is_noisy = pixel.tally.is_noisy(&scene.settings().tone);
+    }
 }
 
 fn colour(pixel: &Pixel) -> DVec3 {

@@ -1,0 +1,99 @@
+//! When a pixel has samples enough: when what chance may still change of it cannot be seen.
+//!
+//! What counts is the colour that is shown, behind exposure, tone curve and encoding: the eye sees noise in shadows that
+//! would be nothing in the light. A pixel's error is estimated from the variance of its samples as if they were unrelated;
+//! since they are evenly spread, that says rather too much. Whether to go on depends on the samples there are, so that
+//! the mean is not free of bias, but what is left of it is below the error that is tolerated.
+
+use crate::sampling::luminance;
+use fieldstone_scene::{Rgb, Tone, linear_to_srgb};
+use glam::DVec3;
+
+/// The standard error of a pixel, of its largest encoded component from 0 to 1, that need not become less.
+pub(crate) const VISIBLE: f64 = 1.0 / 128.0;
+
+/// How many samples a pixel that needs more gets at least before its error is looked at.
+pub(crate) const AT_FIRST: u32 = 4;
+
+/// How much the colour that is shown of light changes if its luminance does by `error`.
+pub(crate) fn shown_error(tone: &Tone, light: Rgb, error: f64) -> f64 {
+    // Noise that is coloured is mostly so as the light is.
+    let bright = luminance(light);
+    let direction = if bright > error { light / bright } else { DVec3::ONE };
+    let shown = |light: Rgb| tone.apply(light.max(DVec3::ZERO));
+    let (less, more) = (shown(light - direction * error), shown(light + direction * error));
+    let encoded = |i: usize| linear_to_srgb(more[i]) - linear_to_srgb(less[i]);
+    (0..3).map(|i| 0.5 * encoded(i).abs()).fold(0.0, f64::max)
+}
+
+/// The samples of a pixel so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    count: u32,
+    colour: Rgb,
+    alpha: f64,
+    /// Sums of squares, of the luminance and of the cover.
+    squares: (f64, f64),
+}
+
+impl Tally {
+    /// Adds a sample.
+    pub(crate) fn add(&mut self, colour: Rgb, alpha: f64) {
+        self.count += 1;
+        self.colour += colour;
+        self.alpha += alpha;
+        self.squares.0 += luminance(colour) * luminance(colour);
+        self.squares.1 += alpha * alpha;
+    }
+
+    /// The means, of the colour and of the cover; there is a sample at least.
+    pub(crate) fn mean(&self) -> (Rgb, f64) {
+        let weight = 1.0 / f64::from(self.count.max(1));
+        (self.colour * weight, self.alpha * weight)
+    }
+
+    /// Whether the error of the mean can be seen. What is behind the picture may be white.
+    pub(crate) fn is_noisy(&self, tone: &Tone) -> bool {
+        if self.count < 2 {
+            return true;
+        }
+        let n = f64::from(self.count);
+        let (colour, alpha) = self.mean();
+        let bright = luminance(colour);
+        let spread =
+            (self.squares.0 - n * bright * bright).max(0.0) + (self.squares.1 - n * alpha * alpha).max(0.0);
+        shown_error(tone, colour, (spread / (n * (n - 1.0))).sqrt()) > VISIBLE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_is_that_of_what_is_shown() {
+        let tone = Tone::default();
+        // The slope of the curve of sRGB at 0.2 is 1.055/2.4 0.2^(1/2.4 − 1).
+        let slope = 1.055 / 2.4 * 0.2f64.powf(1.0 / 2.4 - 1.0);
+        assert!((shown_error(&tone, DVec3::splat(0.2), 1e-4) - 1e-4 * slope).abs() < 1e-7);
+        // What is too bright to be shown has no visible noise; what is dark has more of it.
+        assert_eq!(shown_error(&tone, DVec3::splat(3.0), 0.1), 0.0);
+        assert!(shown_error(&tone, DVec3::splat(0.01), 1e-3) > 3.0 * 1e-3);
+    }
+
+    #[test]
+    fn pixels_are_noisy_until_their_mean_is_known() {
+        let tone = Tone::default();
+        let of = |n: u32, contrast: f64| {
+            let mut tally = Tally::default();
+            (0..n).for_each(|i| tally.add(DVec3::splat(0.5 + contrast * f64::from(i % 2)), 1.0));
+            tally
+        };
+        assert!(!of(4, 0.0).is_noisy(&tone) && of(1, 0.0).is_noisy(&tone));
+        assert!(of(4, 0.2).is_noisy(&tone) && !of(400, 0.2).is_noisy(&tone));
+        let mut edge = of(3, 0.0);
+        edge.add(DVec3::splat(0.5), 0.0);
+        assert!(edge.is_noisy(&tone));
+        assert_eq!(edge.mean(), (DVec3::splat(0.5), 0.75));
+    }
+}
