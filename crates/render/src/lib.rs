@@ -19,6 +19,7 @@ mod noise;
 mod object;
 mod owner;
 mod query;
+mod refine;
 mod sampling;
 mod shadows;
 mod sky;

@@ -52,17 +52,20 @@ impl Tally {
         (self.colour * weight, self.alpha * weight)
     }
 
-    /// Whether the error of the mean can be seen. What is behind the picture may be white.
-    pub(crate) fn is_noisy(&self, tone: &Tone) -> bool {
-        if self.count < 2 {
-            return true;
-        }
+    /// The variance of a sample, of its luminance and its cover: what is behind the picture may be white.
+    pub(crate) fn variance(&self) -> f64 {
         let n = f64::from(self.count);
         let (colour, alpha) = self.mean();
         let bright = luminance(colour);
-        let spread =
-            (self.squares.0 - n * bright * bright).max(0.0) + (self.squares.1 - n * alpha * alpha).max(0.0);
-        shown_error(tone, colour, (spread / (n * (n - 1.0))).sqrt()) > VISIBLE
+        let squares = (self.squares.0 - n * bright * bright) + (self.squares.1 - n * alpha * alpha);
+        squares.max(0.0) / (n - 1.0).max(1.0)
+    }
+
+    /// Whether the error of the mean can be seen, if samples have their own variance or that of samples around them.
+    pub(crate) fn is_noisy(&self, tone: &Tone, around: f64) -> bool {
+        let variance = self.variance().max(around);
+        let error = (variance / f64::from(self.count.max(1))).sqrt();
+        self.count < 2 || shown_error(tone, self.mean().0, error) > VISIBLE
     }
 }
 
@@ -89,11 +92,11 @@ mod tests {
             (0..n).for_each(|i| tally.add(DVec3::splat(0.5 + contrast * f64::from(i % 2)), 1.0));
             tally
         };
-        assert!(!of(4, 0.0).is_noisy(&tone) && of(1, 0.0).is_noisy(&tone));
-        assert!(of(4, 0.2).is_noisy(&tone) && !of(400, 0.2).is_noisy(&tone));
+        assert!(!of(4, 0.0).is_noisy(&tone, 0.0) && of(1, 0.0).is_noisy(&tone, 0.0));
+        assert!(of(4, 0.2).is_noisy(&tone, 0.0) && !of(400, 0.2).is_noisy(&tone, 0.0));
         let mut edge = of(3, 0.0);
         edge.add(DVec3::splat(0.5), 0.0);
-        assert!(edge.is_noisy(&tone));
+        assert!(edge.is_noisy(&tone, 0.0) && of(4, 0.0).is_noisy(&tone, 0.01));
         assert_eq!(edge.mean(), (DVec3::splat(0.5), 0.75));
     }
 }

@@ -1,10 +1,10 @@
 //! The picture, tile by tile on all cores.
 
 use crate::integrator::{EyeRay, Integrator, Sample, Worker};
-use crate::lamps::choice;
-use crate::noise::{AT_FIRST, Tally, VISIBLE, shown_error};
+use crate::noise::{VISIBLE, shown_error};
 use crate::query::{Asker, Prepared};
-use crate::sampling::{derive, disc, hash, point};
+use crate::refine::{Refiner, needs};
+use crate::sampling::hash;
 use crate::sky::Sky;
 use fieldstone_scene::{Film, Pixel, Scene};
 use fieldstone_trace::Certificate;
@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const TILE: u32 = 16;
 
 /// The side of the blocks in which the pixels of a tile follow each other.
-const BLOCK: u32 = 8;
+pub(crate) const BLOCK: u32 = 8;
 
 /// How to render, without effect on the picture.
 #[derive(Clone, Copy, Default)]
@@ -137,17 +137,14 @@ impl Tile {
 /// cores seldom wait for each other.
 const BAND: usize = 4096;
 
-/// About how many samples are taken before they are summed up.
-const SAMPLES_TOGETHER: usize = 4096;
-
 /// A pixel with its place.
 #[derive(Clone, Copy, Debug)]
-struct Placed {
-    x: u32,
-    y: u32,
-    pixel: Pixel,
+pub(crate) struct Placed {
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+    pub(crate) pixel: Pixel,
     /// Whether chance had a part in its colour that one may see.
-    is_noisy: bool,
+    pub(crate) is_noisy: bool,
 }
 
 /// The picture; `None` if the work was cancelled.
@@ -176,10 +173,10 @@ fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
         }
     }
     if passes == 2 {
-        let unsettled = unsettled(&film, &noisy);
+        let needs = needs(&film, &noisy);
         for band in painter.bands() {
-            let seen = Seen { film: &film, unsettled: &unsettled };
-            let refine = |worker: &mut Worker, tile| refine_tile(scene, &integrator, worker, tile, &seen);
+            let refiner = Refiner { scene, integrator: &integrator, film: &film, needs: &needs };
+            let refine = |worker: &mut Worker, tile: Tile| refiner.refine(worker, tile.pixels());
             let done = painter.work(band, &mut stats, refine)?;
             done.iter().flatten().for_each(|placed| film.set(placed.x, placed.y, &placed.pixel));
         }
@@ -296,7 +293,7 @@ fn is_noisy(scene: &Scene, sample: &Sample) -> bool {
 }
 
 /// What chance depends on in a pixel.
-fn seed(x: u32, y: u32) -> u32 {
+pub(crate) fn seed(x: u32, y: u32) -> u32 {
     // Not of both coordinates alike, or noise would be mirrored about the diagonal.
     hash(hash(x).wrapping_add(y))
 }
@@ -318,140 +315,9 @@ fn to_pixel(sample: &Sample) -> Pixel {
     })
 }
 
-/// What the first pass saw.
-struct Seen<'f> {
-    /// Pixels of later bands are as seen through their centres.
-    film: &'f Film,
-    /// Which pixels need more samples, row by row.
-    unsettled: &'f [bool],
-}
-
-/// Which pixels need more samples, row by row: those that are noisy, or differ from one of their eight neighbours, and
-/// their neighbours: where a shadow begins, some pixels see nothing of it by chance.
-fn unsettled(film: &Film, noisy: &[bool]) -> Vec<bool> {
-    let (width, height) = (film.width(), film.height());
-    let mut unsettled = noisy.to_vec();
-    unsettled.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
-        for (is_unsettled, x) in row.iter_mut().zip(0..width) {
-            let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
-            let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-            let Some(here) = film.pixel(x, y) else { continue };
-            let differs = |u, v| film.pixel(u, v).is_some_and(|there| differ(&here, &there));
-            let is_noisy = |u: u32, v: u32| noisy[v as usize * width as usize + u as usize];
-            let unsettles = |u, v| is_noisy(u, v) || differs(u, v);
-            *is_unsettled |= (above..=below).any(|v| (left..=right).any(|u| unsettles(u, v)));
-        }
-    });
-    unsettled
-}
-
-/// More samples for the pixels of a tile that need them.
-fn refine_tile(
-    scene: &Scene,
-    integrator: &Integrator<'_, '_>,
-    worker: &mut Worker,
-    tile: Tile,
-    seen: &Seen<'_>,
-) -> Vec<Placed> {
-    let width = seen.film.width() as usize;
-    let is_unsettled = |x: u32, y: u32| seen.unsettled[y as usize * width + x as usize];
-    let mut pixels: Vec<Refined> = tile
-        .pixels()
-        .filter(|&(x, y)| is_unsettled(x, y))
-        .filter_map(|(x, y)| seen.film.pixel(x, y).map(|pixel| Refined::new(scene, (x, y), pixel)))
-        .collect();
-    let all = scene.settings().samples;
-    let (mut from, mut to) = (known_samples(scene), AT_FIRST.min(all));
-    while from < to {
-        let mut noisy: Vec<&mut Refined> = pixels.iter_mut().filter(|p| p.is_noisy).collect();
-        let some = (SAMPLES_TOGETHER / (to - from) as usize).max(1);
-        noisy.chunks_mut(some).for_each(|some| refine(scene, integrator, worker, some, from..to));
-        (from, to) = (to, to.saturating_mul(2).min(all));
-    }
-    pixels.iter().map(Refined::placed).collect()
-}
-
-/// How many samples of a pixel the first pass took: the one through its centre, unless there is a lens, when that one
-/// went through the middle of it.
-fn known_samples(scene: &Scene) -> u32 {
-    u32::from(scene.camera().aperture().is_none())
-}
-
-/// A pixel on its way to all the samples it needs.
-struct Refined {
-    x: u32,
-    y: u32,
-    centre: Pixel,
-    tally: Tally,
-    is_noisy: bool,
-}
-
-impl Refined {
-    fn new(scene: &Scene, (x, y): (u32, u32), centre: Pixel) -> Self {
-        let mut tally = Tally::default();
-        if known_samples(scene) > 0 {
-            tally.add(colour(&centre), f64::from(centre.alpha));
-        }
-        Self { x, y, centre, tally, is_noisy: true }
-    }
-
-    fn placed(&self) -> Placed {
-        let (colour, alpha) = self.tally.mean();
-        let pixel = Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..self.centre };
-        Placed { x: self.x, y: self.y, pixel, is_noisy: self.is_noisy }
-    }
-}
-
-/// More samples of each pixel.
-fn refine(
-    scene: &Scene,
-    integrator: &Integrator<'_, '_>,
-    worker: &mut Worker,
-    pixels: &mut [&mut Refined],
-    samples: std::ops::Range<u32>,
-) {
-    let ray = |x: u32, y: u32, index: u32| {
-        let (u, v) = place_in_pixel(index as usize);
-        let place = (f64::from(x) + u, f64::from(y) + v);
-        let lens = disc(point(index, derive(seed(x, y), choice::LENS)));
-        let (origin, direction) = scene.lens_ray(place, lens);
-        EyeRay { origin, direction, seed: seed(x, y), index }
-    };
-    let rays: Vec<EyeRay> =
-        pixels.iter().flat_map(|p| samples.clone().map(move |index| ray(p.x, p.y, index))).collect();
-    let found = integrator.radiance(worker, &rays);
-    for (pixel, samples) in pixels.iter_mut().zip(found.chunks(samples.len().max(1))) {
-        samples.iter().for_each(|sample| pixel.tally.add(sample.colour, sample.alpha));
-        pixel.is_noisy = pixel.tally.is_noisy(&scene.settings().tone);
-    }
-}
-
-fn colour(pixel: &Pixel) -> DVec3 {
+/// The colour of a pixel, linear RGB.
+pub(crate) fn colour(pixel: &Pixel) -> DVec3 {
     DVec3::from_array(pixel.colour.map(f64::from))
-}
-
-/// Whether an edge runs between two neighbours: of a solid, a part, a crease, or light, mirrored and refracted light too.
-fn differ(a: &Pixel, b: &Pixel) -> bool {
-    if a.part != b.part {
-        return true;
-    }
-    if a.part < 0.0 && a.alpha == 0.0 && b.alpha == 0.0 {
-        return false;
-    }
-    // There is no normal where an environment or a lamp is seen.
-    let normals: f32 = a.normal.iter().zip(b.normal).map(|(p, q)| p * q).sum();
-    let crease = a.part >= 0.0 && normals < 0.9;
-    let cover = (a.alpha - b.alpha).abs() > 0.15;
-    let (a, b) = (colour(a), colour(b));
-    let brightest = a.max(b) + DVec3::splat(0.02);
-    crease || cover || ((a - b).abs() / brightest).max_element() > 0.15
-}
-
-/// The place of sample `i` in a pixel: the first in its centre, the others evenly around it (Roberts 2018).
-fn place_in_pixel(i: usize) -> (f64, f64) {
-    // 1/ρ and 1/ρ² for the root ρ of x³ = x + 1.
-    const STEPS: (f64, f64) = (0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
-    ((0.5 + STEPS.0 * i as f64).fract(), (0.5 + STEPS.1 * i as f64).fract())
 }
 
 #[cfg(test)]
