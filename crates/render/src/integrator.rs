@@ -15,7 +15,7 @@ use crate::bsdf::{Chance, Meeting, Onward, Scatter};
 use crate::lamps::{Lamps, Seen, Sent, Wishes, choice};
 use crate::media::Media;
 use crate::query::{Answer, Asker, Prepared, Surface};
-use crate::sampling::{derive, point};
+use crate::sampling::Draw;
 use crate::sky::Sky;
 use fieldstone_scene::{Appearance, Rgb};
 use glam::DVec3;
@@ -46,10 +46,8 @@ pub(crate) struct EyeRay {
     pub(crate) origin: DVec3,
     /// A unit vector.
     pub(crate) direction: DVec3,
-    /// What chance depends on: the same for all samples of a pixel.
-    pub(crate) seed: u32,
-    /// Which sample of the pixel it is.
-    pub(crate) index: u32,
+    /// What chance depends on.
+    pub(crate) draw: Draw,
 }
 
 /// What a ray brings back.
@@ -86,8 +84,7 @@ struct Path {
     of_sight: bool,
     sees_lamps: bool,
     by_chance: bool,
-    seed: u32,
-    index: u32,
+    draw: Draw,
 }
 
 /// What a thread needs to follow light.
@@ -133,8 +130,7 @@ impl<'s, 'p> Integrator<'s, 'p> {
             of_sight: true,
             sees_lamps: true,
             by_chance: false,
-            seed: ray.seed,
-            index: ray.index,
+            draw: ray.draw,
         };
         let first: Vec<Path> = rays.iter().enumerate().map(start).collect();
         let answers = self.surfaces(&mut worker.asker, &first);
@@ -281,8 +277,7 @@ impl Crossing<'_> {
             scatter: &self.scatter,
             sample: self.path.sample,
             weight: self.path.throughput * self.look.opacity,
-            seed: self.path.seed,
-            index: self.path.index,
+            draw: self.path.draw,
             by_chance: self.path.by_chance,
         }
     }
@@ -301,8 +296,8 @@ impl Crossing<'_> {
         let (path, look) = (self.path, self.look);
         if look.opacity < 1.0 && path.passed < MOST_PASSED {
             let throughput = path.throughput * (1.0 - look.opacity);
-            let (passed, seed) = (path.passed + 1, derive(path.seed, branch::STRAIGHT));
-            let straight = Path { origin: self.surface.behind, throughput, passed, seed, ..*path };
+            let (passed, draw) = (path.passed + 1, path.draw.branch(branch::STRAIGHT));
+            let straight = Path { origin: self.surface.behind, throughput, passed, draw, ..*path };
             onward.extend(straight.if_bright(faintest, sample));
         }
         if path.bounces_left == 0 {
@@ -310,8 +305,7 @@ impl Crossing<'_> {
         }
         // Also where the first ray is lost among the facets: another sample will see light there.
         sample.by_chance |= self.scatter.is_rough();
-        let number = |choice: u32| point(path.index, derive(path.seed, choice));
-        let chance = Chance { facet: number(choice::FACET), kind: number(choice::KIND).0 };
+        let chance = Chance { facet: path.draw.point(choice::FACET), kind: path.draw.point(choice::KIND).0 };
         for ray in self.scatter.onward(chance).into_iter().flatten() {
             onward.extend(self.bounced(&ray).if_bright(faintest, sample));
         }
@@ -332,7 +326,7 @@ impl Crossing<'_> {
             of_sight: false,
             sees_lamps: ray.sees_lamps(),
             by_chance: path.by_chance || ray.rough,
-            seed: derive(path.seed, if ray.through { branch::THROUGH } else { branch::MIRROR }),
+            draw: path.draw.branch(if ray.through { branch::THROUGH } else { branch::MIRROR }),
             ..*path
         }
     }
@@ -360,8 +354,7 @@ impl Path {
             return Some(self);
         }
         sample.by_chance |= faintest > FAINTEST;
-        let chance = f64::from(derive(self.seed, self.index)) / (1u64 << 32) as f64;
-        (chance < share).then(|| Self { throughput: self.throughput / share, ..self })
+        (self.draw.unrelated() < share).then(|| Self { throughput: self.throughput / share, ..self })
     }
 
     /// Adds light that hides all that is behind.
@@ -423,7 +416,8 @@ mod tests {
         let (prepared, sky) = (Prepared::new(scene), Sky::new(scene));
         let integrator = Integrator { many, ..Integrator::new(&prepared, &sky) };
         let direction = DVec3::new(1.0, 0.03, 0.05).normalize();
-        let ray = |index| EyeRay { origin: DVec3::new(-4.0, 0.1, 0.2), direction, seed: 7, index };
+        let draw = |index| Draw { seed: 7, index, is_first: index == 0 };
+        let ray = |index| EyeRay { origin: DVec3::new(-4.0, 0.1, 0.2), direction, draw: draw(index) };
         let rays: Vec<EyeRay> = (0..rays).map(ray).collect();
         integrator.radiance(&mut Worker::default(), &rays)
     }

@@ -13,7 +13,7 @@
 
 use crate::bsdf::Scatter;
 use crate::query::{Asker, Prepared};
-use crate::sampling::{derive, luminance, point};
+use crate::sampling::{Draw, luminance};
 use crate::shadows::{ShadowRay, Shadows};
 use crate::sky::Sky;
 use fieldstone_scene::{Environment, Illumination, Light, Rgb};
@@ -50,9 +50,7 @@ pub(crate) struct Seen<'c> {
     pub(crate) sample: usize,
     pub(crate) weight: Rgb,
     /// What chance depends on here.
-    pub(crate) seed: u32,
-    /// Which sample of the pixel it is.
-    pub(crate) index: u32,
+    pub(crate) draw: Draw,
     /// Whether one place on each lamp is enough, because chance led here already.
     pub(crate) by_chance: bool,
 }
@@ -129,8 +127,7 @@ impl<'s, 'p> Lamps<'s, 'p> {
     fn ask_lamp(&self, asked: &mut Asked, seen: &Seen<'_>, (number, light): (u32, &Light)) {
         let samples = light.samples();
         let directions = self.directions(seen, samples, 1.0);
-        let seed = derive(seen.seed, choice::LAMP + number);
-        let lit = seen.points(directions, samples, seed).filter_map(|place| {
+        let lit = seen.draw.points(choice::LAMP + number, directions).filter_map(|place| {
             let Illumination { to_light, distance, colour } = light.sample(seen.place, place)?;
             let brings = seen.weight * colour * seen.scatter.respond(to_light) / f64::from(directions);
             let is_lit = to_light.dot(seen.normal) > 0.0 && brings.max_element() > 0.0;
@@ -154,7 +151,7 @@ impl<'s, 'p> Lamps<'s, 'p> {
         }
         let samples = environment.samples();
         let directions = self.directions(seen, samples, share);
-        let points = seen.points(directions, samples, derive(seen.seed, choice::SKY));
+        let points = seen.draw.points(choice::SKY, directions);
         let lit = points.filter_map(|square| {
             let look = self.sky.look(seen.normal, highlight.as_ref(), square)?;
             let mut response = diffuse * look.direction.dot(seen.normal);
@@ -180,7 +177,7 @@ impl<'s, 'p> Lamps<'s, 'p> {
             return 1;
         }
         let counts = (seen.weight.max_element() * share / FAINT).min(1.0);
-        let among = if seen.index == 0 { 1.0 } else { self.share_of_later() };
+        let among = if seen.draw.is_first { 1.0 } else { self.share_of_later() };
         ((f64::from(samples) * counts * among).ceil() as u32).clamp(1, samples)
     }
 
@@ -215,16 +212,6 @@ impl<'s, 'p> Lamps<'s, 'p> {
             asked.wishes.clear();
             asked.estimates.clear();
         }
-    }
-}
-
-impl Seen<'_> {
-    /// Points for so many directions, of at most `samples` for each sample of the pixel: they go on where those of the
-    /// sample before ended.
-    fn points(&self, directions: u32, samples: u32, seed: u32) -> impl Iterator<Item = (f64, f64)> + use<> {
-        let before =
-            self.index.checked_sub(1).map_or(0, |i| samples.wrapping_add(i.wrapping_mul(directions)));
-        (0..directions).map(move |k| point(before.wrapping_add(k), seed))
     }
 }
 

@@ -1,7 +1,7 @@
 //! When a pixel has samples enough: when what chance may still change of it cannot be seen.
 //!
-//! What counts is the colour that is shown, behind exposure, tone curve and encoding: the eye sees noise in shadows that
-//! would be nothing in the light. A pixel's error is estimated from the variance of its samples as if they were unrelated;
+//! What counts is the colour that is shown, behind exposure and encoding: the eye sees noise in shadows that would be
+//! nothing in the light. A pixel's error is estimated from the variance of its samples as if they were unrelated;
 //! since they are evenly spread, that says rather too much. Whether to go on depends on the samples there are, so that
 //! the mean is not free of bias, but what is left of it is below the error that is tolerated.
 
@@ -15,15 +15,15 @@ pub(crate) const VISIBLE: f64 = 1.0 / 128.0;
 /// How many samples a pixel that needs more gets at least before its error is looked at.
 pub(crate) const AT_FIRST: u32 = 4;
 
-/// How much the colour that is shown of light changes if its luminance does by `error`.
+/// How much the colour that is shown of light changes if its luminance does by `error`: its largest component, after
+/// exposure and encoding. The curve goes on beyond white, where files in linear light do too.
 pub(crate) fn shown_error(tone: &Tone, light: Rgb, error: f64) -> f64 {
     // Noise that is coloured is mostly so as the light is.
     let bright = luminance(light);
-    let direction = if bright > error { light / bright } else { DVec3::ONE };
-    let shown = |light: Rgb| tone.apply(light.max(DVec3::ZERO));
-    let (less, more) = (shown(light - direction * error), shown(light + direction * error));
-    let encoded = |i: usize| linear_to_srgb(more[i]) - linear_to_srgb(less[i]);
-    (0..3).map(|i| 0.5 * encoded(i).abs()).fold(0.0, f64::max)
+    let hue = if bright > 0.0 { light / bright } else { DVec3::ONE };
+    let exposed = tone.exposure().exp2() * hue.max_element();
+    let shown = |bright: f64| linear_to_srgb((exposed * bright).max(0.0));
+    0.5 * (shown(bright + error) - shown(bright - error))
 }
 
 /// The samples of a pixel so far.
@@ -79,9 +79,10 @@ mod tests {
         // The slope of the curve of sRGB at 0.2 is 1.055/2.4 0.2^(1/2.4 − 1).
         let slope = 1.055 / 2.4 * 0.2f64.powf(1.0 / 2.4 - 1.0);
         assert!((shown_error(&tone, DVec3::splat(0.2), 1e-4) - 1e-4 * slope).abs() < 1e-7);
-        // What is too bright to be shown has no visible noise; what is dark has more of it.
-        assert_eq!(shown_error(&tone, DVec3::splat(3.0), 0.1), 0.0);
-        assert!(shown_error(&tone, DVec3::splat(0.01), 1e-3) > 3.0 * 1e-3);
+        // What is dark has more of it than what is bright, what is coloured more than what is grey.
+        let of = |light| shown_error(&tone, light, 1e-3);
+        assert!(of(DVec3::splat(0.01)) > 3.0 * of(DVec3::splat(0.2)) && of(DVec3::splat(3.0)) > 0.0);
+        assert!(of(DVec3::new(0.2, 0.0, 0.0)) > of(DVec3::splat(0.2)));
     }
 
     #[test]

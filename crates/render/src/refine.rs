@@ -8,8 +8,8 @@
 use crate::integrator::{EyeRay, Integrator, Worker};
 use crate::lamps::choice;
 use crate::noise::{AT_FIRST, Tally};
-use crate::sampling::{derive, disc, point};
-use crate::tile::{BLOCK, Placed, colour, seed};
+use crate::sampling::{Draw, disc};
+use crate::tile::{BLOCK, Placed, colour};
 use fieldstone_scene::{Film, Pixel, Scene};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -128,9 +128,10 @@ impl Refiner<'_, '_, '_> {
         let ray = |(x, y): (u32, u32), index: u32| {
             let (u, v) = place_in_pixel(index as usize);
             let place = (f64::from(x) + u, f64::from(y) + v);
-            let lens = disc(point(index, derive(seed(x, y), choice::LENS)));
+            let draw = Draw::new((x, y), index);
+            let lens = disc(draw.point(choice::LENS));
             let (origin, direction) = self.scene.lens_ray(place, lens);
-            EyeRay { origin, direction, seed: seed(x, y), index }
+            EyeRay { origin, direction, draw }
         };
         let rays = pixels.iter().flat_map(|p| samples.clone().map(move |index| ray(p.place, index)));
         let found = self.integrator.radiance(worker, &rays.collect::<Vec<EyeRay>>());

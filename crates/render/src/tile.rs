@@ -4,7 +4,7 @@ use crate::integrator::{EyeRay, Integrator, Sample, Worker};
 use crate::noise::{VISIBLE, shown_error};
 use crate::query::{Asker, Prepared};
 use crate::refine::{Refiner, needs};
-use crate::sampling::hash;
+use crate::sampling::Draw;
 use crate::sky::Sky;
 use fieldstone_scene::{Film, Pixel, Scene};
 use fieldstone_trace::Certificate;
@@ -273,7 +273,7 @@ fn look_through_centres(
 ) -> Vec<Placed> {
     let ray = |(x, y)| {
         let (origin, direction) = scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        EyeRay { origin, direction, seed: seed(x, y), index: 0 }
+        EyeRay { origin, direction, draw: Draw::new((x, y), 0) }
     };
     let rays: Vec<EyeRay> = tile.pixels().map(ray).collect();
     let samples = integrator.radiance(worker, &rays);
@@ -290,12 +290,6 @@ fn look_through_centres(
 fn is_noisy(scene: &Scene, sample: &Sample) -> bool {
     let error = shown_error(&scene.settings().tone, sample.colour, sample.variance.sqrt());
     sample.by_chance || error > VISIBLE
-}
-
-/// What chance depends on in a pixel.
-pub(crate) fn seed(x: u32, y: u32) -> u32 {
-    // Not of both coordinates alike, or noise would be mirrored about the diagonal.
-    hash(hash(x).wrapping_add(y))
 }
 
 fn to_pixel(sample: &Sample) -> Pixel {
@@ -318,19 +312,4 @@ fn to_pixel(sample: &Sample) -> Pixel {
 /// The colour of a pixel, linear RGB.
 pub(crate) fn colour(pixel: &Pixel) -> DVec3 {
     DVec3::from_array(pixel.colour.map(f64::from))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Neighbours, mirror images about the diagonal, and places on it have seeds of their own.
-    #[test]
-    fn pixels_have_different_seeds() {
-        let mut seeds: Vec<u32> = (0..256 * 256).map(|i| seed(i % 256, i / 256)).collect();
-        seeds.sort_unstable();
-        seeds.dedup();
-        // Of 65,536 numbers of 32 bits, about half of one pair meets by chance.
-        assert!(seeds.len() >= 256 * 256 - 4, "{}", seeds.len());
-    }
 }

@@ -37,7 +37,8 @@ fn a_glass_ball_cannot_be_seen() {
             let inside = (1.0 - mirrored) * mirrored.powi(bounces as i32 - 1);
             let expected = if pixel.depth.is_finite() { 1.0 - inside } else { 1.0 };
             let error = (colour(&pixel) - DVec3::splat(expected)).abs().max_element();
-            assert!(error < 1e-3 && pixel.alpha == 1.0, "{pixel:?} at {x}, {y} is not {expected}");
+            // Of rays fainter than 1/8192 some are followed for all, by chance.
+            assert!(error < 2e-3 && pixel.alpha == 1.0, "{pixel:?} at {x}, {y} is not {expected}");
             whole += u32::from(expected > 0.9995);
         }
         assert!(whole > 1550 || bounces == 2, "{whole} of 1600");
