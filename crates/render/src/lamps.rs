@@ -13,7 +13,7 @@
 
 use crate::bsdf::Scatter;
 use crate::query::{Asker, Prepared};
-use crate::sampling::{Draw, luminance};
+use crate::sampling::{Draw, derive, luminance};
 use crate::shadows::{ShadowRay, Shadows};
 use crate::sky::Sky;
 use fieldstone_scene::{Environment, Illumination, Light, Rgb};
@@ -131,7 +131,7 @@ impl<'s, 'p> Lamps<'s, 'p> {
             let Illumination { to_light, distance, colour } = light.sample(seen.place, place)?;
             let brings = seen.weight * colour * seen.scatter.respond(to_light) / f64::from(directions);
             let is_lit = to_light.dot(seen.normal) > 0.0 && brings.max_element() > 0.0;
-            let ray = ShadowRay { origin: seen.place, direction: to_light, distance };
+            let ray = seen.ray((to_light, distance), brings);
             is_lit.then_some(Wish { ray, brings })
         });
         asked.add(lit, |wishes| Estimate {
@@ -158,8 +158,8 @@ impl<'s, 'p> Lamps<'s, 'p> {
             response += highlight.map_or(0.0, |h| h.respond(look.direction));
             let light = environment.light(seen.place, look.direction);
             let weight = 1.0 / (PI * look.density * f64::from(directions));
-            let ray = ShadowRay { origin: seen.place, direction: look.direction, distance: f64::INFINITY };
-            Some(Wish { ray, brings: seen.weight * light * response * weight })
+            let brings = seen.weight * light * response * weight;
+            Some(Wish { ray: seen.ray((look.direction, f64::INFINITY), brings), brings })
         });
         let whole = environment.on_matt(seen.normal).filter(|_| highlight.is_none());
         asked.add(lit, |wishes| Estimate {
@@ -215,6 +215,14 @@ impl<'s, 'p> Lamps<'s, 'p> {
     }
 }
 
+impl Seen<'_> {
+    /// A shadow ray in a direction, over a distance.
+    fn ray(&self, (direction, distance): (DVec3, f64), brings: Rgb) -> ShadowRay {
+        let seed = derive(self.draw.seed, self.draw.index);
+        ShadowRay { origin: self.place, direction, distance, worth: brings.max_element(), seed }
+    }
+}
+
 impl Asked {
     fn add(&mut self, wishes: impl Iterator<Item = Wish>, estimate: impl FnOnce(usize) -> Estimate) {
         let before = self.wishes.len();
@@ -249,7 +257,8 @@ impl Estimate {
         };
         let variance = match (self.by_chance, some_blocked && some_came) {
             (false, _) => 0.0,
-            (true, true) => spread,
+            // The edge of a shadow: the error of evenly spread places falls about as n to −3/4.
+            (true, true) => spread / n.sqrt(),
             (true, false) if whole.is_some() || !some_came => 0.0,
             // Without shadows light varies smoothly: of evenly spread places the error falls as their number.
             (true, false) => spread / n,

@@ -10,7 +10,7 @@ use fieldstone_scene::{Rgb, Tone, linear_to_srgb};
 use glam::DVec3;
 
 /// The standard error of a pixel, of its largest encoded component from 0 to 1, that need not become less.
-pub(crate) const VISIBLE: f64 = 1.0 / 128.0;
+pub(crate) const VISIBLE: f64 = 1.0 / 96.0;
 
 /// How many samples a pixel that needs more gets at least before its error is looked at.
 pub(crate) const AT_FIRST: u32 = 4;
