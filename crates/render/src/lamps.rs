@@ -218,7 +218,7 @@ impl<'s, 'p> Lamps<'s, 'p> {
 impl Seen<'_> {
     /// A shadow ray in a direction, over a distance.
     fn ray(&self, (direction, distance): (DVec3, f64), brings: Rgb) -> ShadowRay {
-        let seed = derive(self.draw.seed, self.draw.index);
+        let seed = derive(self.draw.seed ^ direction.x.to_bits() as u32, self.draw.index);
         ShadowRay { origin: self.place, direction, distance, worth: brings.max_element(), seed }
     }
 }
