@@ -25,7 +25,7 @@ const FAINTEST: f64 = 1.0 / 8192.0;
 
 /// From so many rays of a sample on, what counts as faint grows, with their third power: after eight times as many about
 /// sixteen are followed at a time, after sixteen times as many two.
-const MANY: u32 = 24;
+const MANY: u32 = 40;
 
 /// How many surfaces a ray passes straight, where they are not opaque, before it ends.
 const MOST_PASSED: u16 = 256;
