@@ -275,7 +275,7 @@ pub(crate) struct RenderArguments {
     /// Let `--method interval` accept spans this short without proof, relative to the longest side.
     #[arg(long, help_heading = METHOD, value_name = "E", allow_hyphen_values = true)]
     pub(crate) accept_epsilon: Option<f64>,
-    /// Samples of a pixel where there are edges in it [default: 4].
+    /// The most samples of a pixel where there are edges or noise in it [default: 4].
     #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
     /// Draw pictures A to B of a film; `#` in the name of the picture stand for digits.

@@ -215,7 +215,8 @@ impl Gradients {
             }
             let slope: Arc<dyn Function> = Arc::new(SlopeOf { function: function.clone(), argument });
             let by = graph.call(&slope, arguments);
-            sum = plus(graph, sum, scaled(graph, by, slopes));
+            let term = scaled(graph, by, slopes);
+            sum = plus(graph, sum, term);
         }
         sum
     }

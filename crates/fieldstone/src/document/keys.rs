@@ -390,7 +390,11 @@ pub(super) static LIGHT: Section = Section {
         key("colour", Colour, "Its colour; default: white."),
         key("strength", Number, "Times the colour, at distance 1; default: 1."),
         key("shadows", Flag, "Whether solids block it; default: true."),
-        key("samples", Whole(1, 1024), "sphere, rectangle: points looked at from each place; default: 4."),
+        key(
+            "samples",
+            Whole(1, 1024),
+            "sphere, rectangle: points looked at from each place, at most; default: 4.",
+        ),
         key("visible", Flag, "sphere, rectangle: whether one sees it; default: false."),
     ],
 };
@@ -426,7 +430,11 @@ pub(super) static ENVIRONMENT: Section = Section {
         key("strength", Number, "Times the colours; default: 1."),
         key("visible", Flag, "Whether one sees it behind the solids; default: true."),
         key("rotation", Number, "Degrees about the axis `up`, counter-clockwise; default: 0."),
-        key("samples", Whole(1, 1024), "Directions looked at from each point that it lights; default: 4."),
+        key(
+            "samples",
+            Whole(1, 1024),
+            "Directions looked at from each point that it lights, at most; default: 4.",
+        ),
         key("up", Numbers(3), "The direction of the zenith; default: that of the camera."),
     ],
 };
@@ -461,7 +469,11 @@ pub(super) static RENDER: Section = Section {
     shared: &[],
     keys: &[
         key("size", List(&Whole(1, 1 << 26)), "Width and height in pixels; default: 512, 512."),
-        key("samples", Whole(1, 4096), "Samples of a pixel where there are edges in it; default: 4."),
+        key(
+            "samples",
+            Whole(1, 4096),
+            "The most samples of a pixel where there are edges or noise in it; default: 4.",
+        ),
         key("method", METHODS, "How surfaces are found; default: affine."),
         key("step", Number, "sampled: the step, relative to the longest side of the bounds."),
         key("accept_epsilon", Number, "interval: accepted without proof, relative to the longest side."),
