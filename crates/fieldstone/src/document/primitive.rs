@@ -6,8 +6,7 @@ use super::tree::{EMPTY, Table, Value};
 use crate::data::{DataError, NumberType, Placement, RawLayout, load_points, load_voxels};
 use fieldstone_field::{Function, Graph, Input, NodeId};
 use fieldstone_solids::{
-    Basis, CURVE_PARAMETER, Curve, Interpolation, Minimum, MinimumError, PROJECTION_PARTS, Reconstruction,
-    SplineVolume,
+    Basis, Course, Curve, Interpolation, MinimumError, Reconstruction, SplineVolume, least, projection,
 };
 use std::sync::Arc;
 
@@ -158,7 +157,7 @@ impl<'d> Composer<'_, 'd> {
             .moved_back(&mut self.graph, plain)
             .map_err(|error| value.error(error.to_string(), "no curve"))?;
         let inner = self.inner(solid, &Space { point: moved, ..*space }, None)?;
-        self.least(value, (inner, CURVE_PARAMETER, [0.0, 1.0], curve.parts()), space)
+        self.least(value, (inner, curve.course()), space)
     }
 
     fn projection(&mut self, value: &'d Value, table: &'d Table, space: &Space) -> Outcome<NodeId> {
@@ -171,7 +170,7 @@ impl<'d> Composer<'_, 'd> {
         let point = [0, 1, 2].map(|k| self.graph.input(Input::Coordinate(k)));
         let fourth = self.graph.input(w);
         let inner = self.inner(solid, &Space { point, ..*space }, Some(fourth))?;
-        self.least(value, (inner, w, [from, to], PROJECTION_PARTS), space)
+        self.least(value, (inner, projection(w, [from, to])), space)
     }
 
     /// The field of a solid that is no part of what is composed, in a space of its own.
@@ -185,22 +184,15 @@ impl<'d> Composer<'_, 'd> {
         Ok(built?.value)
     }
 
-    /// The least value of a field over one of its inputs, in a space.
-    fn least(
-        &mut self,
-        value: &Value,
-        (field, over, range, parts): (NodeId, Input, [f64; 2], usize),
-        space: &Space,
-    ) -> Outcome<NodeId> {
+    /// The least value of a field along a course, in a space.
+    fn least(&mut self, value: &Value, (field, course): (NodeId, Course), space: &Space) -> Outcome<NodeId> {
         let failed = |error: MinimumError| -> Fault { value.error(error.to_string(), "no minimum").into() };
-        let minima = Minimum::in_parts((&self.graph, field), over, range, parts).map_err(failed)?;
-        let node = |g: &mut Graph, input| match input {
+        let program = self.graph.clone();
+        let place = |g: &mut Graph, input| match input {
             Input::Coordinate(k) if k < 3 => space.point[usize::from(k)],
             other => g.input(other),
         };
-        let calls: Vec<NodeId> = minima.into_iter().map(|m| m.call_with(&mut self.graph, node)).collect();
-        let least = calls.into_iter().reduce(|a, b| self.graph.min(a, b));
-        Ok(least.unwrap_or_else(|| self.graph.constant(f64::INFINITY)))
+        least(&mut self.graph, (&program, field), &course, place).map_err(failed)
     }
 }
 
