@@ -59,7 +59,11 @@ pub fn least(
             moving.insert(n);
         }
     }
-    Search { graph, program, course, place, moving }.least(output, DEEPEST)
+    let mut search = Search { graph, program, course, place, moving };
+    match search.closed(output, DEEPEST)? {
+        Some(least) => Ok(least),
+        None => search.search(output),
+    }
 }
 
 struct Search<'a, F> {
@@ -72,42 +76,48 @@ struct Search<'a, F> {
 }
 
 impl<F: Fn(&mut Graph, Input) -> NodeId> Search<'_, F> {
-    fn least(&mut self, n: NodeId, depth: usize) -> Result<NodeId, MinimumError> {
-        let Some(depth) = depth.checked_sub(1) else { return self.search(n) };
+    /// The minimum of a node in closed form, if it has one.
+    fn closed(&mut self, n: NodeId, depth: usize) -> Result<Option<NodeId>, MinimumError> {
+        let Some(depth) = depth.checked_sub(1) else { return Ok(None) };
         if !self.moving.contains(&n) {
-            return Ok(self.copy(n));
+            return Ok(Some(self.copy(n)));
         }
         if let Some(distance) = self.distance(n) {
-            return self.nearest(n, distance);
+            return self.nearest(distance);
         }
+        let is_fixed = |node: NodeId| !self.moving.contains(&node);
         match *self.program.node(n) {
             // A root of a squared distance, which is never undefined.
             Node::Unary(Unary::Sqrt, a) if self.distance(a).is_some() => {
-                let inner = self.least(a, depth)?;
-                Ok(self.graph.sqrt(inner))
-            }
-            Node::Binary(op @ (Binary::Add | Binary::Sub | Binary::Min | Binary::Max), a, b)
-                if !self.moving.contains(&b) =>
-            {
-                let (a, b) = (self.least(a, depth)?, self.copy(b));
-                Ok(self.graph.binary(op, a, b))
+                let inner = self.closed(a, depth)?;
+                Ok(inner.map(|inner| self.graph.sqrt(inner)))
             }
             Node::Binary(op @ (Binary::Add | Binary::Min | Binary::Max), a, b)
-                if !self.moving.contains(&a) =>
+                if is_fixed(a) || is_fixed(b) =>
             {
-                let (a, b) = (self.copy(a), self.least(b, depth)?);
-                Ok(self.graph.binary(op, a, b))
+                self.both(op, [a, b], depth)
             }
-            Node::Binary(op @ (Binary::Mul | Binary::Div), a, b) if self.is_positive(b) => {
-                let (a, b) = (self.least(a, depth)?, self.copy(b));
-                Ok(self.graph.binary(op, a, b))
+            Node::Binary(Binary::Sub, a, b) if is_fixed(b) => self.both(Binary::Sub, [a, b], depth),
+            Node::Binary(Binary::Div, a, b) if self.is_positive(b) => self.both(Binary::Div, [a, b], depth),
+            Node::Binary(Binary::Mul, a, b) if self.is_positive(a) || self.is_positive(b) => {
+                self.both(Binary::Mul, [a, b], depth)
             }
-            Node::Binary(Binary::Mul, a, b) if self.is_positive(a) => {
-                let (a, b) = (self.copy(a), self.least(b, depth)?);
-                Ok(self.graph.mul(a, b))
-            }
-            _ => self.search(n),
+            // The least of the smaller is the smaller of the least.
+            Node::Binary(Binary::Min, a, b) => self.both(Binary::Min, [a, b], depth),
+            _ => Ok(None),
         }
+    }
+
+    /// An operation on the minima of its operands.
+    fn both(
+        &mut self,
+        op: Binary,
+        [a, b]: [NodeId; 2],
+        depth: usize,
+    ) -> Result<Option<NodeId>, MinimumError> {
+        let Some(a) = self.closed(a, depth)? else { return Ok(None) };
+        let b = self.closed(b, depth)?;
+        Ok(b.map(|b| self.graph.binary(op, a, b)))
     }
 
     fn is_positive(&self, n: NodeId) -> bool {
@@ -128,7 +138,7 @@ impl<F: Fn(&mut Graph, Input) -> NodeId> Search<'_, F> {
     }
 
     /// The minimum of a squared distance k²·|x − c(u)|².
-    fn nearest(&mut self, n: NodeId, distance: Distance) -> Result<NodeId, MinimumError> {
+    fn nearest(&mut self, distance: Distance) -> Result<Option<NodeId>, MinimumError> {
         let Course { over, range, ref corners, .. } = *self.course;
         let point = [0, 1, 2].map(|k| (self.place)(self.graph, Input::Coordinate(k)));
         let Distance { curve, centre, factor } = distance;
@@ -138,11 +148,11 @@ impl<F: Fn(&mut Graph, Input) -> NodeId> Search<'_, F> {
         } else {
             match Nearest::new(&curve, centre, over, range)? {
                 Some(nearest) => nearest.call(self.graph, point),
-                None => return self.search(n),
+                None => return Ok(None),
             }
         };
         let factor = self.graph.constant(factor);
-        Ok(self.graph.mul(squared, factor))
+        Ok(Some(self.graph.mul(squared, factor)))
     }
 
     /// Recognises a sum of three squares of orthogonal linear forms of x, y and z, each with something of u.

@@ -13,10 +13,16 @@
 //! an end of the curve).
 //!
 //! # Rounding
-//! The coordinates of the curve and its derivatives are computed to within bounds that `rounding` finds. What the search
-//! leaves of the derivative along the curve is bounded by when it ends; both are added to what is said of boxes.
+//! Every stretch is a polynomial, which leaves the exact curve by no more than the error of its Taylor model (`taylor`), rounding
+//! included. What the search leaves of the derivative along the curve is bounded by when it ends. Both are added to
+//! what is said of boxes, and where they may be more than a gradient allows there is no curvature.
+//!
+//! Evaluators ask for the middle of a box in more than one way, which rounding tells apart. So places are searched for the
+//! points of a fine grid, and one search does for all of them: the place found is then as far from the nearest one
+//! as the grid is fine, and its distance too large by the square of that.
 
 mod search;
+mod taylor;
 mod tree;
 
 use crate::minimum::MinimumError;
@@ -55,13 +61,12 @@ struct Last {
     boxes: (u64, [Interval<f64>; 3], Study),
 }
 
-const NOWHERE: Found = Found { at: [0.0; 3], squared: 0.0, floor: 0.0, leaf: 0 };
 const NOTHING: Study = Study { range: Interval::undefined(), curvature: f64::INFINITY };
 
 thread_local! {
     static LAST: Cell<Last> = const {
         Cell::new(Last {
-            points: [(0, [0.0; 3], NOWHERE); 2],
+            points: [(0, [0.0; 3], Found::NONE); 2],
             boxes: (0, [Interval::undefined(); 3], NOTHING),
         })
     };
@@ -93,7 +98,14 @@ impl Nearest {
         graph.call(&function, &point)
     }
 
-    fn found(&self, x: [f64; 3]) -> Found {
+    /// The nearest place of a point, as near as the grid tells, and its squared distance.
+    fn found(&self, x: [f64; 3]) -> (Found, f64) {
+        let found = self.found_on_grid(self.tree.on_grid(x));
+        let away = [0, 1, 2].map(|k| x[k] - found.at[k]);
+        (found, away.iter().map(|a| a * a).sum())
+    }
+
+    fn found_on_grid(&self, x: [f64; 3]) -> Found {
         let last = LAST.get();
         let known = last.points.iter().find(|(number, point, _)| *number == self.number && *point == x);
         if let Some((.., found)) = known {
@@ -119,12 +131,12 @@ impl Nearest {
         let middle = sides.map(|s| (0.5 * s.lo + 0.5 * s.hi).max(s.lo).min(s.hi));
         let squares = [0, 1, 2].map(|k| (sides[k].hi - middle[k]).max(middle[k] - sides[k].lo).powi(2));
         let reach = squares.iter().sum::<f64>().sqrt() * (1.0 + 1e-12);
-        let found = self.found(middle);
+        let (found, squared) = self.found(middle);
         let near = self.tree.near((middle, reach), &found);
-        let low = (found.floor - reach).max(0.0);
+        let low = (self.tree.floor(middle, &found) - reach).max(0.0);
         let far = match near.convexity {
             // What the search finds is the minimum in the whole box.
-            Some(_) => (found.squared.sqrt() + reach) * (1.0 + 1e-14) + near.error,
+            Some(_) => (squared.sqrt() + reach) * (1.0 + 1e-14) + near.error,
             // It looks at the middle of the stretch, too.
             None => self.tree.farthest(found.leaf, sides),
         };
@@ -155,15 +167,16 @@ impl Function for Nearest {
     }
 
     fn value(&self, arguments: &[f64]) -> f64 {
-        point_of(arguments).map_or(f64::NAN, |x| self.found(x).squared)
+        point_of(arguments).map_or(f64::NAN, |x| self.found(x).1)
     }
 
     fn interval(&self, arguments: &[Interval<f64>]) -> Interval<f64> {
         let Some(sides) = sides_of(arguments) else { return Interval::undefined() };
         if sides.iter().all(|s| s.lo == s.hi) {
-            let found = self.found(sides.map(|s| s.lo));
-            let floor = found.floor * found.floor * (1.0 - 1e-14);
-            return Interval::new(floor.min(found.squared), found.squared);
+            let point = sides.map(|s| s.lo);
+            let (found, squared) = self.found(point);
+            let floor = self.tree.floor(point, &found).powi(2) * (1.0 - 1e-14);
+            return Interval::new(floor.min(squared), squared);
         }
         self.study(sides).range
     }
@@ -181,7 +194,7 @@ impl Function for Nearest {
             gradient.fill(f64::NAN);
             return;
         };
-        let found = self.found(x);
+        let (found, _) = self.found(x);
         for (k, slope) in gradient.iter_mut().enumerate() {
             *slope = 2.0 * (x[k] - found.at[k]);
         }

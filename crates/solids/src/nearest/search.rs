@@ -7,21 +7,26 @@ use fieldstone_field::Interval;
 /// Places in a stretch along which the squared distance is not known to be convex.
 const LOOKS: usize = 16;
 /// Newton's method, which falls back on halving, takes at most so many steps.
-const MOST_STEPS: usize = 60;
+const MOST_STEPS: usize = 100;
 /// How closely the nearest place is found, in half lengths of its stretch.
 const CLOSE: f64 = 1e-13;
 
-/// The nearest place of a point.
+/// The nearest place of a point of the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     /// c(u) there.
     pub(super) at: Vector,
-    /// Its squared distance, the value of the function.
-    pub(super) squared: f64,
-    /// Below the distance of the exact curve.
-    pub(super) floor: f64,
     /// The stretch.
     pub(super) leaf: u32,
+    /// Whether the squared distance is convex along it, so that its minimum was found.
+    pub(super) is_least: bool,
+    /// Below the distances of all places of other stretches, or of all if this is not known to be the least.
+    pub(super) floor: f64,
+}
+
+impl Found {
+    pub(super) const NONE: Self =
+        Self { at: [f64::INFINITY; 3], leaf: 0, is_least: false, floor: f64::INFINITY };
 }
 
 /// The stretches that may be nearest to points of a box.
@@ -38,74 +43,99 @@ pub(super) struct Near {
 }
 
 impl Tree {
-    /// Finds the nearest place.
+    /// The point of the grid near a point, at most as far away as a side of its cells is long.
+    pub(super) fn on_grid(&self, x: Vector) -> Vector {
+        x.map(|x| (x / self.grid).round() * self.grid)
+    }
+
+    /// Finds the nearest place of a point of the grid.
     pub(super) fn search(&self, x: Vector) -> Found {
-        let mut best = Found { at: [0.0; 3], squared: f64::INFINITY, floor: f64::INFINITY, leaf: 0 };
+        let mut best = Found::NONE;
+        let mut squared = f64::INFINITY;
         let mut floor = f64::INFINITY;
         let mut stack = [(0u32, 0.0f64); 64];
         let mut count = 1;
         while count > 0 {
             count -= 1;
             let (number, below) = stack[count];
-            if below * below > best.squared {
-                // Farther than what was found.
-                floor = floor.min(below);
-                continue;
-            }
             let stretch = &self.stretches[number as usize];
-            let Some([a, b]) = stretch.halves else {
-                let found = self.in_leaf(x, number, below);
-                floor = floor.min(found.floor);
-                if found.squared < best.squared {
-                    best = found;
+            // What is farther than what was found need not be looked at.
+            if below * below > squared {
+                floor = floor.min(below);
+            } else if let Some([a, b]) = stretch.halves {
+                let [p, q] = [a, b].map(|half| self.stretches[half as usize].below(x).max(below));
+                // The nearer half is looked at first: it lies on top.
+                let pair = if p <= q { [(b, q), (a, p)] } else { [(a, p), (b, q)] };
+                stack[count..count + 2].copy_from_slice(&pair);
+                count += 2;
+            } else {
+                let is_least = stretch.convexity(x, 0.0).is_some();
+                let at = if is_least { self.descend(x, stretch).at } else { self.look(x, stretch) };
+                let distance = length(less(x, at));
+                let lost = if is_least { self.error(stretch, distance) } else { f64::INFINITY };
+                let own = (distance * (1.0 - 1e-14) - lost).max(below);
+                if distance * distance < squared {
+                    // The floor of what was the best becomes one of others.
+                    if best.is_least {
+                        floor = floor.min(best.floor);
+                    }
+                    squared = distance * distance;
+                    best = Found { at, leaf: number, is_least, floor: own };
+                } else {
+                    floor = floor.min(own);
                 }
-                continue;
-            };
-            let [p, q] = [a, b].map(|half| self.stretches[half as usize].below(x).max(below));
-            // The nearer half is looked at first: it lies on top.
-            let pair = if p <= q { [(b, q), (a, p)] } else { [(a, p), (b, q)] };
-            stack[count..count + 2].copy_from_slice(&pair);
-            count += 2;
+                if !is_least {
+                    floor = floor.min(own);
+                }
+            }
         }
-        best.floor = floor.min(best.squared.sqrt());
+        best.floor = floor;
         best
     }
 
-    fn in_leaf(&self, x: Vector, leaf: u32, below: f64) -> Found {
-        let stretch = &self.stretches[leaf as usize];
-        if stretch.convexity(x, 0.0).is_some() {
-            let found = found(x, self.descend(x, stretch), leaf);
-            let lost = self.error(stretch, found.squared.sqrt()) + self.errors[0];
-            return Found { floor: (found.squared.sqrt() * (1.0 - 1e-14) - lost).max(below), ..found };
+    /// Below the distance of the exact curve from a point whose nearest place on the grid was found.
+    pub(super) fn floor(&self, x: Vector, found: &Found) -> f64 {
+        let others = found.floor - 2.0 * self.grid;
+        if !found.is_least {
+            return others.max(0.0);
         }
-        Found { floor: below, ..self.look(x, stretch, leaf) }
+        let distance = length(less(x, found.at));
+        let own = distance * (1.0 - 1e-14) - self.error(&self.stretches[found.leaf as usize], distance);
+        own.min(others).max(0.0)
     }
 
     /// Where |(c − x)·c′| is below this, a search ends.
     fn enough(&self, stretch: &Stretch, distance: f64) -> f64 {
-        let close = CLOSE * stretch.radius() + 8.0 * self.errors[0] + 8.0 * f64::EPSILON * distance;
-        close * stretch.speed[1].sqrt() + 2.0 * distance * self.errors[1]
+        let close = CLOSE * stretch.radius + 8.0 * stretch.errors[0] + 8.0 * f64::EPSILON * distance;
+        close * stretch.speed[1].sqrt() + 2.0 * distance * stretch.errors[1]
+    }
+
+    /// The same for a point near that of the grid, and for the exact curve.
+    fn slack(&self, stretch: &Stretch, distance: f64) -> f64 {
+        2.0 * self.enough(stretch, distance) + (2.0 * self.grid + self.gap) * stretch.speed[1].sqrt()
     }
 
     /// How much farther than the minimum what [`descend`](Self::descend) finds may be. With g = (c − x)·c′ the squared
-    /// distance is above its minimum by at most g²/q, and so the distance by that over twice itself, or its root.
+    /// distance is above its minimum by at most g²/q, and so the distance by that over itself, or its root.
     fn error(&self, stretch: &Stretch, distance: f64) -> f64 {
-        let g = 2.0 * self.enough(stretch, distance);
+        let g = self.slack(stretch, distance);
         let squared = g * g / (CONVEX * stretch.speed[1].max(f64::MIN_POSITIVE));
-        squared.sqrt().min(squared / distance.max(f64::MIN_POSITIVE)) + self.errors[0]
+        squared.sqrt().min(squared / distance.max(f64::MIN_POSITIVE)) + 2.0 * stretch.errors[0] + self.gap
     }
 
     /// The minimum along a stretch where the squared distance is convex.
     fn descend(&self, x: Vector, stretch: &Stretch) -> Jet {
         // The ends of the bracket, and whether the derivative there is known.
-        let (mut low, mut high) = ((stretch.from, false), (stretch.to, false));
-        let mut place = (stretch.centre() + guess(x, stretch)).clamp(stretch.from, stretch.to);
-        let mut jet = self.jet(place);
+        let (mut low, mut high) = ((-1.0, false), (1.0, false));
+        let squared = dot(stretch.tangent, stretch.tangent).max(f64::MIN_POSITIVE);
+        let mut place = (dot(less(x, stretch.at), stretch.tangent) / squared).clamp(-1.0, 1.0);
+        let mut jet = self.jet(stretch, place);
+        let enough = self.enough(stretch, length(less(x, stretch.at)));
         for _ in 0..MOST_STEPS {
             let from_x = less(jet.at, x);
             let g = dot(from_x, jet.slope);
-            let is_at_end = (place == stretch.from && g > 0.0) || (place == stretch.to && g < 0.0);
-            if is_at_end || g.abs() <= self.enough(stretch, length(from_x)) {
+            let is_at_end = (place == -1.0 && g > 0.0) || (place == 1.0 && g < 0.0);
+            if is_at_end || g.abs() <= enough {
                 break;
             }
             *(if g > 0.0 { &mut high } else { &mut low }) = (place, true);
@@ -122,68 +152,62 @@ impl Tree {
             if high.1 && low.1 && (place == low.0 || place == high.0) {
                 break;
             }
-            jet = self.jet(place);
+            jet = self.jet(stretch, place);
         }
         jet
     }
 
-    /// The least of some places of a stretch, its middle among them, and what Newton's method makes of it.
-    fn look(&self, x: Vector, stretch: &Stretch, leaf: u32) -> Found {
-        let step = (stretch.to - stretch.from) / LOOKS as f64;
-        let place = |i: usize| if i == LOOKS { stretch.to } else { stretch.from + i as f64 * step };
-        let mut places = [0.0; LOOKS + 2];
-        for (i, p) in places.iter_mut().enumerate() {
-            *p = if i > LOOKS { stretch.centre() } else { place(i) };
+    /// The nearest of some places of a stretch, its middle among them, and of what Newton's method makes of it.
+    fn look(&self, x: Vector, stretch: &Stretch) -> Vector {
+        let squared = |jet: &Jet| dot(less(x, jet.at), less(x, jet.at));
+        let place = |i: usize| 2.0 * i as f64 / LOOKS as f64 - 1.0;
+        let mut best = (f64::INFINITY, stretch.at);
+        let mut start = 0.0;
+        for i in 0..=LOOKS {
+            let jet = self.jet(stretch, place(i));
+            if squared(&jet) < best.0 {
+                best = (squared(&jet), jet.at);
+                start = place(i);
+            }
         }
-        let mut least = f64::INFINITY;
-        let mut chosen = 0;
-        let jet = self.jets(&places, |best, (jet, lane)| {
-            if least == f64::INFINITY {
-                least = squared(x, best);
-            }
-            if squared(x, jet) < least {
-                (least, chosen) = (squared(x, jet), lane);
-                jet
-            } else {
-                best
-            }
-        });
-        let mut best = found(x, jet, leaf);
-        let (mut place, mut jet) = (places[chosen], jet);
         for _ in 0..4 {
+            let jet = self.jet(stretch, start);
+            if squared(&jet) < best.0 {
+                best = (squared(&jet), jet.at);
+            }
             let from_x = less(jet.at, x);
             let (g, q) = (dot(from_x, jet.slope), dot(jet.slope, jet.slope) + dot(from_x, jet.bend));
-            let next = (place - g / q).clamp(stretch.from, stretch.to);
-            if !(q > 0.0) || !next.is_finite() {
+            let next = (start - g / q).clamp(-1.0, 1.0);
+            if q.is_nan() || q <= 0.0 || !next.is_finite() {
                 break;
             }
-            place = next;
-            jet = self.jet(place);
-            let next = found(x, jet, leaf);
-            if next.squared < best.squared {
-                best = next;
-            }
+            start = next;
         }
-        best
+        best.1
     }
 
-    /// Above the distance from every point of a box to the middle of a stretch.
+    /// Above the distances from all points of a box to what a search finds, whose grid point is looked at from the middle of
+    /// a stretch too.
     pub(super) fn farthest(&self, leaf: u32, sides: [Interval<f64>; 3]) -> f64 {
-        let at = self.stretches[leaf as usize].middle.at;
-        let far = [0, 1, 2].map(|k| (sides[k].hi - at[k]).abs().max((at[k] - sides[k].lo).abs()));
-        length(far) * (1.0 + 1e-14) + 2.0 * self.errors[0]
+        let stretch = &self.stretches[leaf as usize];
+        let far =
+            [0, 1, 2].map(|k| (sides[k].hi - stretch.at[k]).abs().max((stretch.at[k] - sides[k].lo).abs()));
+        let distance = length(far) * (1.0 + 1e-14);
+        distance + 4.0 * self.grid + self.error(stretch, distance)
     }
 
     /// What may be nearest to points within `reach` of x.
     pub(super) fn near(&self, (x, reach): (Vector, f64), found: &Found) -> Near {
+        let reach = reach + 4.0 * self.grid;
         let mut near = Near { convexity: Some(2.0), is_single: true, error: 0.0, drift: 0.0 };
+        let squared = dot(less(x, found.at), less(x, found.at));
         let mut stack = [0u32; 64];
         let (mut count, mut leaves, mut runs) = (1, 0, 0);
-        let (mut end, mut first_is_in, mut last_is_in) = (f64::NAN, false, false);
+        let (mut before, mut ends) = (None::<&Stretch>, [false; 2]);
         while count > 0 {
             count -= 1;
             let stretch = &self.stretches[stack[count] as usize];
-            if !self.may_be_nearest(stretch, (x, reach), found) {
+            if !may_be_nearest(stretch, (x, reach), (found, squared)) {
                 continue;
             }
             if let Some([a, b]) = stretch.halves {
@@ -192,24 +216,17 @@ impl Tree {
                 continue;
             }
             leaves += 1;
-            runs += usize::from(stretch.from != end);
-            end = stretch.to;
-            first_is_in |= stretch.from == self.stretches[0].from;
-            last_is_in |= stretch.to == self.stretches[0].to;
+            runs += usize::from(!before.is_some_and(|before| before.is_followed_by(stretch)));
+            before = Some(stretch);
+            let is_end = self.is_end(stretch);
+            ends = [0, 1].map(|side| ends[side] || is_end[side]);
             self.add_to(&mut near, stretch, (x, reach));
             if leaves > MOST_STRETCHES || near.convexity.is_none() {
                 return Near { convexity: None, ..near };
             }
         }
-        near.is_single = runs == 1 || (runs == 2 && self.is_closed && first_is_in && last_is_in);
+        near.is_single = runs == 1 || (runs == 2 && self.is_closed && ends == [true; 2]);
         near
-    }
-
-    /// Whether a place of a stretch may be nearer than the one found, for a point within `reach` of x.
-    fn may_be_nearest(&self, stretch: &Stretch, (x, reach): (Vector, f64), found: &Found) -> bool {
-        let below = stretch.below(x);
-        let apart = length(less(stretch.middle.at, found.at)) + stretch.radius() + 2.0 * self.errors[0];
-        below * below * (1.0 - 1e-14) - found.squared * (1.0 + 1e-14) <= 2.0 * reach * apart * (1.0 + 1e-12)
     }
 
     fn add_to(&self, near: &mut Near, stretch: &Stretch, (x, reach): (Vector, f64)) {
@@ -221,33 +238,16 @@ impl Tree {
         let turn = q - stretch.speed[0];
         let along = if turn < 0.0 { 2.0 * -turn / q } else { 2.0 };
         near.convexity = near.convexity.map(|most| most.max(along * (1.0 + 1e-9)));
-        let farthest = length(less(x, stretch.middle.at)) + stretch.radius() + reach;
+        let farthest = length(less(x, stretch.at)) + stretch.radius + reach;
         near.error = near.error.max(self.error(stretch, farthest));
-        let off = 2.0 * self.enough(stretch, farthest) * stretch.speed[1].sqrt() / q;
-        near.drift = near.drift.max(off + 2.0 * self.errors[0]);
+        let off = self.slack(stretch, farthest) * stretch.speed[1].sqrt() / q;
+        near.drift = near.drift.max(2.0 * (off + 2.0 * stretch.errors[0] + self.gap));
     }
 }
 
-/// Where the parabola c + c′v + ½c″v² is nearest: Newton's method from the nearest place of the tangent on.
-fn guess(x: Vector, stretch: &Stretch) -> f64 {
-    let Jet { at, slope, bend } = stretch.middle;
-    let half = stretch.half();
-    let to_x = less(at, x);
-    let [a, b, c] = [dot(to_x, slope), dot(slope, slope) + dot(to_x, bend), 1.5 * dot(slope, bend)];
-    let d = 0.5 * dot(bend, bend);
-    let mut v = (-a / b).clamp(-half, half);
-    for _ in 0..3 {
-        let (g, q) = (a + v * (b + v * (c + v * d)), b + v * (2.0 * c + 3.0 * d * v));
-        v = (v - g / q).clamp(-half, half);
-    }
-    if v.is_nan() { 0.0 } else { v }
-}
-
-fn squared(x: Vector, jet: Jet) -> f64 {
-    let away = less(x, jet.at);
-    dot(away, away)
-}
-
-fn found(x: Vector, jet: Jet, leaf: u32) -> Found {
-    Found { at: jet.at, squared: squared(x, jet), floor: 0.0, leaf }
+/// Whether a place of a stretch may be nearer than the one found, for a point within `reach` of x.
+fn may_be_nearest(stretch: &Stretch, (x, reach): (Vector, f64), (found, squared): (&Found, f64)) -> bool {
+    let below = stretch.below(x);
+    let apart = length(less(stretch.at, found.at)) + stretch.radius;
+    below * below * (1.0 - 1e-14) - squared * (1.0 + 1e-14) <= 2.0 * reach * apart * (1.0 + 1e-12)
 }
