@@ -209,8 +209,12 @@ fn intervals_hold_around_the_surface() {
             for (p, v) in points.iter().zip(kit::values(&tape, &points)) {
                 assert!(bound.contains(v), "{name}: {v:e} escapes {bound:?} at {p:?} of {sides:?}");
             }
-            // Of second order: no wider than the box by much.
-            assert!(size > 1e-3 || bound.width() < 4.0 * size + 1e-7, "{name}: {bound:?} of {size}");
+            // No wider than the box by much, but where a curve stands still.
+            let is_regular = name != "still" && name != "cusp";
+            assert!(
+                !is_regular || size > 1e-3 || bound.width() < 4.0 * size + 1e-9,
+                "{name}: {bound:?} of {size}"
+            );
         }
     }
 }

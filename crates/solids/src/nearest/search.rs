@@ -70,7 +70,11 @@ impl Tree {
                 count += 2;
             } else {
                 let is_least = stretch.convexity(x, 0.0).is_some();
-                let at = if is_least { self.descend(x, stretch).at } else { self.look(x, stretch) };
+                let (at, below) = if is_least {
+                    (self.descend(x, stretch).at, below)
+                } else {
+                    (self.look(x, stretch), self.parts_below(x, stretch).max(below))
+                };
                 let distance = length(less(x, at));
                 let lost = if is_least { self.error(stretch, distance) } else { f64::INFINITY };
                 let own = (distance * (1.0 - 1e-14) - lost).max(below);
@@ -184,6 +188,21 @@ impl Tree {
             start = next;
         }
         best.1
+    }
+
+    /// Below the distances of all places of a stretch, by its parts.
+    fn parts_below(&self, x: Vector, stretch: &Stretch) -> f64 {
+        let half = 1.0 / LOOKS as f64;
+        let sag = stretch.sag_of_part(half);
+        let below = |i: usize| {
+            let jet = self.jet(stretch, (2 * i + 1) as f64 * half - 1.0);
+            let (to_x, tangent) = (less(x, jet.at), jet.slope.map(|s| s * half));
+            let squared = dot(tangent, tangent).max(f64::MIN_POSITIVE);
+            let part = (dot(to_x, tangent) / squared).clamp(-1.0, 1.0);
+            let rest = length(less(to_x, tangent.map(|t| t * part)));
+            rest * (1.0 - 1e-14) - 1e-14 * length(tangent) - sag
+        };
+        (0..LOOKS).map(below).fold(f64::INFINITY, f64::min)
     }
 
     /// Above the distances from all points of a box to what a search finds, whose grid point is looked at from the middle of

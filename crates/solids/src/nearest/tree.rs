@@ -91,6 +91,15 @@ impl Stretch {
         (length(rest) * (1.0 - 1e-14) - self.sag).max(0.0)
     }
 
+    /// How far a part of it, with a half length of t, leaves the tangent of its polynomial.
+    pub(super) fn sag_of_part(&self, half: f64) -> f64 {
+        if !self.is_smooth {
+            return f64::INFINITY;
+        }
+        let bent = 0.5 * (self.bend.1 + self.spread) * half * half * (1.0 + 1e-12);
+        bent + 2.0 * self.errors[0] + self.errors[1]
+    }
+
     /// Below q = |c′|² + (c − x)·c″ all over the stretch, for all x within `reach` of one; `None` where it may not be well
     /// above 0.
     pub(super) fn convexity(&self, x: Vector, reach: f64) -> Option<f64> {
