@@ -8,6 +8,9 @@ use fieldstone_field::Interval;
 const LOOKS: usize = 16;
 /// Newton's method, which falls back on halving, takes at most so many steps.
 const MOST_STEPS: usize = 100;
+/// Parts of such a stretch that are bounded together at most, and their least half length.
+const MOST_PARTS: usize = 64;
+const FINEST: f64 = 1e-7;
 /// How closely the nearest place is found, in half lengths of its stretch.
 const CLOSE: f64 = 1e-13;
 
@@ -73,7 +76,8 @@ impl Tree {
                 let (at, below) = if is_least {
                     (self.descend(x, stretch).at, below)
                 } else {
-                    (self.look(x, stretch), self.parts_below(x, stretch).max(below))
+                    let at = self.look(x, stretch);
+                    (at, self.parts_below(x, stretch, at).max(below))
                 };
                 let distance = length(less(x, at));
                 let lost = if is_least { self.error(stretch, distance) } else { f64::INFINITY };
@@ -190,19 +194,40 @@ impl Tree {
         best.1
     }
 
-    /// Below the distances of all places of a stretch, by its parts.
-    fn parts_below(&self, x: Vector, stretch: &Stretch) -> f64 {
-        let half = 1.0 / LOOKS as f64;
-        let sag = stretch.sag_of_part(half);
-        let below = |i: usize| {
-            let jet = self.jet(stretch, (2 * i + 1) as f64 * half - 1.0);
-            let (to_x, tangent) = (less(x, jet.at), jet.slope.map(|s| s * half));
-            let squared = dot(tangent, tangent).max(f64::MIN_POSITIVE);
-            let part = (dot(to_x, tangent) / squared).clamp(-1.0, 1.0);
-            let rest = length(less(to_x, tangent.map(|t| t * part)));
-            rest * (1.0 - 1e-14) - 1e-14 * length(tangent) - sag
-        };
-        (0..LOOKS).map(below).fold(f64::INFINITY, f64::min)
+    /// Below the distances of all places of a stretch where `at` is near the nearest one: in a part with the middle m and the half
+    /// length h the squared distance is at least what it is in m, less |its slope| h, less h² times what q may be below 0.
+    /// Parts that may hold a nearer place are halved, if they are few.
+    fn parts_below(&self, x: Vector, stretch: &Stretch, at: Vector) -> f64 {
+        let Some(q) = stretch.lowest_q(x, 0.0) else { return 0.0 };
+        let enough = dot(less(x, at), less(x, at)) * (1.0 - 1e-13);
+        let (mut middles, mut half, mut count) = ([0.0; MOST_PARTS], 1.0, 1);
+        let mut floor = f64::INFINITY;
+        while count > 0 {
+            let (mut left, mut lowest) = (0, f64::INFINITY);
+            let parts = middles;
+            for &middle in &parts[..count] {
+                let jet = self.jet(stretch, middle);
+                let from_x = less(jet.at, x);
+                let value = dot(from_x, from_x);
+                let fall = 2.0 * dot(from_x, jet.slope).abs() * half + (-q).max(0.0) * half * half;
+                let below = value - fall * (1.0 + 1e-12) - 1e-14 * value;
+                if below >= enough || half < FINEST {
+                    floor = floor.min(below);
+                    continue;
+                }
+                lowest = lowest.min(below);
+                if left + 2 <= MOST_PARTS {
+                    middles[left..left + 2].copy_from_slice(&[middle - 0.5 * half, middle + 0.5 * half]);
+                }
+                left += 2;
+            }
+            if left > MOST_PARTS {
+                floor = floor.min(lowest);
+                break;
+            }
+            (half, count) = (0.5 * half, left);
+        }
+        floor.max(0.0).sqrt() * (1.0 - 1e-14) - 2.0 * stretch.errors[0]
     }
 
     /// Above the distances from all points of a box to what a search finds, whose grid point is looked at from the middle of

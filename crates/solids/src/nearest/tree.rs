@@ -91,24 +91,19 @@ impl Stretch {
         (length(rest) * (1.0 - 1e-14) - self.sag).max(0.0)
     }
 
-    /// How far a part of it, with a half length of t, leaves the tangent of its polynomial.
-    pub(super) fn sag_of_part(&self, half: f64) -> f64 {
-        if !self.is_smooth {
-            return f64::INFINITY;
-        }
-        let bent = 0.5 * (self.bend.1 + self.spread) * half * half * (1.0 + 1e-12);
-        bent + 2.0 * self.errors[0] + self.errors[1]
-    }
-
-    /// Below q = |c′|² + (c − x)·c″ all over the stretch, for all x within `reach` of one; `None` where it may not be well
-    /// above 0.
-    pub(super) fn convexity(&self, x: Vector, reach: f64) -> Option<f64> {
+    /// Below q = |c′|² + (c − x)·c″ all over the stretch, for all x within `reach` of one; `None` where nothing is known.
+    pub(super) fn lowest_q(&self, x: Vector, reach: f64) -> Option<f64> {
         let from_x = less(self.at, x);
         let (bend, bent) = self.bend;
         let (away, moved) = (length(from_x), self.radius + reach);
         let slack = (moved + 1e-14 * away) * bent + (away + moved) * self.spread;
         let q = self.speed[0] + dot(from_x, bend) - slack * (1.0 + 1e-12);
-        (self.is_smooth && q > CONVEX * self.speed[1] && self.speed[0] > 0.0).then_some(q)
+        self.is_smooth.then_some(q)
+    }
+
+    /// The same if it is well above 0.
+    pub(super) fn convexity(&self, x: Vector, reach: f64) -> Option<f64> {
+        self.lowest_q(x, reach).filter(|&q| q > CONVEX * self.speed[1] && self.speed[0] > 0.0)
     }
 }
 
