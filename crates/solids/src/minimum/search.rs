@@ -88,7 +88,8 @@ impl Minimum {
             let moved = (next - slope / bend).clamp(self.range[0], self.range[1]);
             // NaN fails both.
             let is_near = (moved - place).abs() <= near;
-            if !(bend > 0.0) || !is_near {
+            let is_upward = bend > 0.0;
+            if !is_upward || !is_near {
                 return place;
             }
             next = moved;

@@ -168,14 +168,13 @@ impl Tree {
     /// The nearest of some places of a stretch, its middle among them, and of what Newton's method makes of it.
     fn look(&self, x: Vector, stretch: &Stretch) -> Vector {
         let squared = |jet: &Jet| dot(less(x, jet.at), less(x, jet.at));
-        let place = |i: usize| 2.0 * i as f64 / LOOKS as f64 - 1.0;
         let mut best = (f64::INFINITY, stretch.at);
         let mut start = 0.0;
         for i in 0..=LOOKS {
-            let jet = self.jet(stretch, place(i));
+            let jet = self.jet(stretch, look_at(i));
             if squared(&jet) < best.0 {
                 best = (squared(&jet), jet.at);
-                start = place(i);
+                start = look_at(i);
             }
         }
         for _ in 0..4 {
@@ -230,13 +229,15 @@ impl Tree {
         floor.max(0.0).sqrt() * (1.0 - 1e-14) - 2.0 * stretch.errors[0]
     }
 
-    /// Above the distances from all points of a box to what a search finds, whose grid point is looked at from the middle of
-    /// a stretch too.
+    /// Above the distances from all points of a box to what a search finds, which looks at some places of every stretch that may
+    /// be nearest.
     pub(super) fn farthest(&self, leaf: u32, sides: [Interval<f64>; 3]) -> f64 {
         let stretch = &self.stretches[leaf as usize];
-        let far =
-            [0, 1, 2].map(|k| (sides[k].hi - stretch.at[k]).abs().max((stretch.at[k] - sides[k].lo).abs()));
-        let distance = length(far) * (1.0 + 1e-14);
+        let from = |i: usize| {
+            let at = self.jet(stretch, look_at(i)).at;
+            length([0, 1, 2].map(|k| (sides[k].hi - at[k]).abs().max((at[k] - sides[k].lo).abs())))
+        };
+        let distance = (0..=LOOKS).map(from).fold(f64::INFINITY, f64::min) * (1.0 + 1e-14);
         distance + 4.0 * self.grid + self.error(stretch, distance)
     }
 
@@ -287,6 +288,11 @@ impl Tree {
         let off = self.slack(stretch, farthest) * stretch.speed[1].sqrt() / q;
         near.drift = near.drift.max(2.0 * (off + 2.0 * stretch.errors[0] + self.gap));
     }
+}
+
+/// Where stretches are looked at, from −1 to 1.
+fn look_at(i: usize) -> f64 {
+    2.0 * i as f64 / LOOKS as f64 - 1.0
 }
 
 /// Whether a place of a stretch may be nearer than the one found, for a point within `reach` of x.

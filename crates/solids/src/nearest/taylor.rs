@@ -179,8 +179,8 @@ fn waves(a: &Series, [sine, cosine]: [Coefficient; 2], sign: f64) -> [Series; 2]
 /// A function by its derivative, which is a series itself: f′(a)·a′.
 fn by_derivative(a: &Series, value: Coefficient, derivative: &Series) -> Series {
     let mut series = constant(value);
-    for k in 1..ORDERS {
-        series[k] = integrated(a, derivative, k);
+    for (k, coefficient) in series.iter_mut().enumerate().skip(1) {
+        *coefficient = integrated(a, derivative, k);
     }
     series
 }
@@ -260,7 +260,8 @@ mod tests {
     #[test]
     fn models_hold_the_values() {
         type Function = for<'g> fn(Expr<'g>) -> Expr<'g>;
-        let functions: [(&str, Function, fn(f64) -> f64); 8] = [
+        type Exact = fn(f64) -> f64;
+        let functions: [(&str, Function, Exact); 8] = [
             ("polynomial", |u| u.powi(5) - 2.0 * u.square() + 0.3, |u| u.powi(5) - 2.0 * u * u + 0.3),
             ("waves", |u| (3.0 * u).sin() * (2.0 * u).cos(), |u| (3.0 * u).sin() * (2.0 * u).cos()),
             ("quotient", |u| u / (u.square() + 1.0), |u| u / (u * u + 1.0)),
