@@ -252,6 +252,19 @@ pub(super) static SWEEP: Section = Section {
         key("polyline", List(&Numbers(3)), "The curve from point to point."),
         key("bezier", List(&Numbers(3)), "The Bezier curve of 2 to 16 control points."),
         key("helix", Numbers(3), "Around z: radius, rise of a turn, turns."),
+        key("curve", Table(&CURVE), "Any curve, by formulas of u."),
+    ],
+};
+
+pub(super) static CURVE: Section = Section {
+    name: "a curve",
+    shared: &[],
+    keys: &[
+        key("x", Formula, "A formula of u."),
+        key("y", Formula, "A formula of u."),
+        key("z", Formula, "A formula of u."),
+        key("from", Number, "The least u; default: 0."),
+        key("to", Number, "The largest u; default: 1."),
     ],
 };
 
