@@ -15,6 +15,7 @@
 mod build;
 mod facet;
 mod packet;
+mod plane;
 mod sign;
 mod solve;
 mod walk;
@@ -25,6 +26,7 @@ use fieldstone_field::{Bindings, Field, Reading, Tape, TapeOptions};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
+pub use plane::Lattice;
 pub use walk::Walker;
 
 /// How often a node may be divided into 4³ cells: the smallest are 1/256 of the bounds along each axis.

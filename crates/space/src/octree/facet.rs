@@ -49,6 +49,15 @@ impl Facet {
         (self.value - reach, self.value + reach)
     }
 
+    /// Whether the field is certainly negative (`true`) or certainly positive at a point of the cell.
+    pub(super) fn side(&self, point: [f64; 3]) -> Option<bool> {
+        let way = |axis: usize| self.gradient[axis] * (point[axis] - self.centre[axis]);
+        let value = self.value + way(0) + way(1) + way(2);
+        // Roundings of the sum are far below those that the error has room for.
+        let error = self.error * (1.0 + ROUNDING) + ROUNDING * value.abs();
+        (value.abs() > error).then_some(value < 0.0)
+    }
+
     /// Whether the slopes lie so close together that nearly all rays need nothing else.
     pub(super) fn is_close(&self) -> bool {
         let length = |v: [f64; 3]| v.into_iter().map(|x| x * x).sum::<f64>().sqrt();

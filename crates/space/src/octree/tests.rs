@@ -291,3 +291,22 @@ fn cells_come_in_an_order_that_rays_cross_them_in() {
     sorted.sort_unstable();
     assert!(sorted.iter().copied().eq(0..64));
 }
+
+#[test]
+fn points_of_a_plane_are_inside_where_the_field_is_negative() {
+    for (text, field) in fields() {
+        let tree = tree(&field, OctreeOptions::default());
+        for (axes, at) in [([0, 1], 0.1), ([2, 0], -0.37), ([1, 2], 1.9)] {
+            let lattice = Lattice { axes, at, first: [-2.1, -1.2], step: [0.021, 0.017], size: [201, 140] };
+            let inside = tree.inside(&lattice);
+            for (i, &found) in inside.iter().enumerate() {
+                let place = [(i % 201) as f64 * 0.021 - 2.1, (i / 201) as f64 * 0.017 - 1.2];
+                let mut point = [at; 3];
+                (point[axes[0]], point[axes[1]]) = (place[0], place[1]);
+                // A margin of the bounds belongs to the tree.
+                let known = point.iter().all(|x| x.abs() < SIDE);
+                assert!(!known || found == (field.at(&point, &Bindings::new())[0] < 0.0), "{text} {point:?}");
+            }
+        }
+    }
+}
