@@ -116,6 +116,11 @@ impl<'s> Object<'s> {
         }
     }
 
+    /// Whether rays certainly meet nothing whose origins and directions, of any length, lie between the four given.
+    pub(crate) fn is_clear(&self, asker: &mut Asker, hull: &[([f64; 3], [f64; 3]); 4]) -> bool {
+        self.roots.is_clear(asker, hull, &self.settings)
+    }
+
     /// The surfaces that rays meet: `take` is told what each of them finds, in their order.
     pub(crate) fn meetings(
         &self,

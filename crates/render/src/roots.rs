@@ -22,6 +22,22 @@ impl Roots {
         Self { sign, tree: Octree::new(field, bindings, corners, OctreeOptions::default()) }
     }
 
+    /// Whether rays certainly meet nothing whose origins and directions, of any length, lie between the four given; asked
+    /// of the octree only.
+    pub(crate) fn is_clear(
+        &self,
+        asker: &mut Asker,
+        hull: &[([f64; 3], [f64; 3]); 4],
+        settings: &Settings,
+    ) -> bool {
+        settings.method == Method::Affine && {
+            let before = asker.walker.shared_cost();
+            let is_clear = self.tree.is_clear(&mut asker.walker, hull);
+            asker.evaluations += asker.walker.shared_cost() - before;
+            is_clear
+        }
+    }
+
     /// The first crossing of every ray, and the gradients there if the program that is right there is at hand; rays stay
     /// within the bounds.
     pub(crate) fn first_hits_with_gradients(

@@ -1,9 +1,9 @@
 //! What is seen through the centres of pixels, without light: frames of a camera that moves.
 
-use crate::object::{Meeting, ObjectRay, Sought};
+use crate::object::{Meeting, Object, ObjectRay, Sought};
 use crate::query::{Answer, Asker, Prepared, Surface};
 use crate::tile::{Stats, Tile};
-use fieldstone_scene::{Camera, Scene};
+use fieldstone_scene::{Camera, Rays, Scene};
 use fieldstone_trace::Certificate;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -52,21 +52,44 @@ impl<'s> Viewer<'s> {
             stats: Stats::default(),
         };
         let tiles = Tile::all(width, height);
-        let found: Vec<(Vec<Seen>, u64)> = tiles
+        let lens = Lens { rays: camera.rays(f64::from(width) / f64::from(height)), size };
+        let found: Vec<(Vec<(u32, u32)>, Vec<Seen>, u64)> = tiles
             .par_iter()
             .map_init(Asker::default, |asker, tile| {
                 let before = asker.evaluations;
-                let seen = self.look_at(asker, &rays(*tile, camera, size));
-                (seen, asker.evaluations - before)
+                let pixels = self.pixels(asker, *tile, &lens);
+                let rays: Vec<(DVec3, DVec3)> =
+                    pixels.iter().map(|&(x, y)| lens.ray(f64::from(x) + 0.5, f64::from(y) + 0.5)).collect();
+                let seen = self.look_at(asker, &rays);
+                (pixels, seen, asker.evaluations - before)
             })
             .collect();
-        for (tile, (seen, evaluations)) in tiles.iter().zip(&found) {
+        sight.stats.rays = pixels as u64;
+        sight.stats.certified = pixels as u64;
+        for (pixels, seen, evaluations) in &found {
             sight.stats.evaluations += evaluations;
-            for ((x, y), seen) in tile.pixels().zip(seen) {
+            for (&(x, y), seen) in pixels.iter().zip(seen) {
                 sight.set(y as usize * width as usize + x as usize, seen);
             }
         }
         sight
+    }
+
+    /// The pixels of a tile in which there may be something.
+    fn pixels(&self, asker: &mut Asker, tile: Tile, lens: &Lens) -> Vec<(u32, u32)> {
+        if self.is_clear(asker, tile, lens) {
+            return Vec::new();
+        }
+        let blocks = tile.blocks().filter(|&block| !self.is_clear(asker, block, lens));
+        blocks.flat_map(Tile::pixels).collect()
+    }
+
+    /// Whether nothing is seen through the pixels of a tile, certainly.
+    fn is_clear(&self, asker: &mut Asker, tile: Tile, lens: &Lens) -> bool {
+        let hull = lens.hull(tile);
+        let moved = &self.prepared.moved;
+        let is_clear = |object: &Object<'_>| object.is_clear(asker, &hull);
+        moved.iter().all(|moved| !moved) && self.prepared.objects.iter().all(is_clear)
     }
 
     fn look_at(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Vec<Seen> {
@@ -160,26 +183,44 @@ impl Nearest {
 }
 
 impl Sight {
+    /// Writes a pixel, which has been counted as certified.
     fn set(&mut self, pixel: usize, seen: &Seen) {
         (self.depth[pixel], self.normals[pixel]) = (seen.depth, seen.normal);
-        self.stats.rays += 1;
         self.stats.hits += u64::from(seen.depth.is_finite());
+        if seen.certificate != Certificate::Certified {
+            self.stats.certified -= 1;
+        }
         match seen.certificate {
-            Certificate::Certified => self.stats.certified += 1,
+            Certificate::Certified => {}
             Certificate::Tolerance => self.stats.tolerance += 1,
             Certificate::Undecided => self.stats.undecided += 1,
         }
     }
 }
 
-/// The rays through the centres of the pixels of a tile.
-fn rays(tile: Tile, camera: &Camera, (width, height): (u32, u32)) -> Vec<(DVec3, DVec3)> {
-    let (width, height) = (f64::from(width), f64::from(height));
-    let ray = |(x, y): (u32, u32)| {
-        let (u, v) = ((f64::from(x) + 0.5) / width, (f64::from(y) + 0.5) / height);
-        camera.ray(u, v, width / height)
-    };
-    tile.pixels().map(ray).collect()
+/// The rays of an image of a size in pixels.
+struct Lens {
+    rays: Rays,
+    size: (u32, u32),
+}
+
+impl Lens {
+    /// The ray through a place in the image, in pixels.
+    fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        self.rays.at(x / f64::from(self.size.0), y / f64::from(self.size.1))
+    }
+
+    /// Four rays between which those through the pixels of a tile lie: all of them are as long along the middle one, since
+    /// only so those between are means of them.
+    fn hull(&self, tile: Tile) -> [([f64; 3], [f64; 3]); 4] {
+        let (x, y) = tile.sides();
+        let [x, y] = [x, y].map(|ends| ends.map(f64::from));
+        let middle = self.ray(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])).1;
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
+            let (origin, direction) = self.ray(x[i], y[j]);
+            (origin.to_array(), (direction / direction.dot(middle)).to_array())
+        })
+    }
 }
 
 #[cfg(test)]

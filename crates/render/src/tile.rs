@@ -122,14 +122,25 @@ impl Tile {
 
     /// The pixels, by blocks of 8 × 8, in the order that bundles are split in.
     pub(crate) fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
+        self.blocks().flat_map(Tile::rows)
+    }
+
+    /// The blocks of 8 × 8 pixels.
+    pub(crate) fn blocks(self) -> impl Iterator<Item = Tile> {
         let starts = |from: u32, length: u32| (from..from + length).step_by(BLOCK as usize);
         let (right, bottom) = (self.x + self.width, self.y + self.height);
-        starts(self.y, self.height)
-            .flat_map(move |v| starts(self.x, self.width).map(move |u| (u, v)))
-            .flat_map(move |(u, v)| {
-                let row = move |y| (u..right.min(u + BLOCK)).map(move |x| (x, y));
-                (v..bottom.min(v + BLOCK)).flat_map(row)
-            })
+        let block = move |(x, y)| Tile { x, y, width: BLOCK.min(right - x), height: BLOCK.min(bottom - y) };
+        starts(self.y, self.height).flat_map(move |y| starts(self.x, self.width).map(move |x| block((x, y))))
+    }
+
+    /// The pixels row by row.
+    fn rows(self) -> impl Iterator<Item = (u32, u32)> {
+        (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)))
+    }
+
+    /// The corners in pixels: left and right, top and bottom.
+    pub(crate) fn sides(self) -> ([u32; 2], [u32; 2]) {
+        ([self.x, self.x + self.width], [self.y, self.y + self.height])
     }
 }
 

@@ -180,6 +180,14 @@ impl Octree {
         census
     }
 
+    /// The coordinates of the faces between the cells of a node, axis by axis.
+    fn faces(&self, place: Place) -> [[f64; 5]; 3] {
+        let unit = place.unit();
+        std::array::from_fn(|axis| {
+            std::array::from_fn(|i| self.face(axis, place.corner[axis] + unit * i as u32))
+        })
+    }
+
     /// The coordinate of a face between smallest cells.
     fn face(&self, axis: usize, index: u32) -> f64 {
         self.corner[axis] + self.step[axis] * f64::from(index)

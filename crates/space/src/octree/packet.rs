@@ -335,11 +335,37 @@ impl Crossing {
 }
 
 impl Common {
+    /// What all rays origin + direction·t, t ≥ 0, have in common whose origins and directions lie between those given,
+    /// with the octant of one of them.
+    pub(super) fn of_hull(hull: &[([f64; 3], [f64; 3]); 4]) -> (Self, usize) {
+        let (mut common, mut octant) = (
+            Self { origin: [(0.0, 0.0); 3], inverse: [(0.0, 0.0); 3], start: 0.0, end: f64::INFINITY },
+            0,
+        );
+        for axis in 0..3 {
+            let range = |of: &dyn Fn(usize) -> f64| {
+                (0..4).map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |r, x| (r.0.min(x), r.1.max(x)))
+            };
+            common.origin[axis] = range(&|i| hull[i].0[axis]);
+            let (low, high) = range(&|i| hull[i].1[axis]);
+            common.inverse[axis] = if low > 1.0 / STEEP || high < -1.0 / STEEP {
+                (1.0 / high, 1.0 / low)
+            } else {
+                (f64::NEG_INFINITY, f64::INFINITY)
+            };
+            octant |= usize::from(high < 0.0) << axis;
+        }
+        (common, octant)
+    }
+
     /// Bounds of the t at which rays cross the face of an axis at x.
     fn reach(&self, axis: usize, x: f64) -> (f64, f64) {
         let ((o0, o1), (i0, i1)) = (self.origin[axis], self.inverse[axis]);
+        if i0 == f64::NEG_INFINITY {
+            return (f64::NEG_INFINITY, f64::INFINITY);
+        }
         let (a, b) = (x - o1, x - o0);
-        // The inverse has one sign.
+        // Otherwise the inverse has one sign.
         if i0 >= 0.0 {
             (a * if a >= 0.0 { i0 } else { i1 }, b * if b >= 0.0 { i1 } else { i0 })
         } else {

@@ -106,6 +106,15 @@ impl Octree {
         (outcomes, gradients)
     }
 
+    /// Whether rays certainly meet nothing whose origins and directions, of any length, lie between the four given.
+    pub fn is_clear(&self, walker: &mut Walker, hull: &[([f64; 3], [f64; 3]); 4]) -> bool {
+        let size = self.slack * 1e9;
+        let is_near = |x: &f64| x.abs() < 1e5 * size;
+        let (common, octant) = Common::of_hull(hull);
+        hull.iter().all(|(origin, _)| origin.iter().all(is_near))
+            && walker.is_clear((self, &Arena::new()), &self.root, Place::ROOT, (&common, octant))
+    }
+
     /// Walks with rays that begin not too far away.
     fn walk_near(
         &self,
@@ -193,6 +202,33 @@ impl Walker {
         self.cells(walk, (node, &cell.programs.value), place, common, flock);
     }
 
+    /// Whether rays certainly meet nothing in a cell that is divided.
+    fn is_clear<'w>(
+        &mut self,
+        (tree, arena): (&'w Octree, &'w Arena<Node>),
+        cell: &'w Cell,
+        place: Place,
+        (common, octant): (&Common, usize),
+    ) -> bool {
+        let node = tree.node(&mut self.builder, arena, cell, place);
+        let mut crossed = common.crossed(octant, &tree.faces(place));
+        let flip = flip(octant);
+        while crossed != 0 {
+            let number = ORDER[crossed.trailing_zeros() as usize] ^ flip;
+            crossed &= crossed - 1;
+            if node.outside >> number & 1 == 1 {
+                continue;
+            }
+            if node.inside >> number & 1 == 1 || node.cell(number).is_leaf {
+                return false;
+            }
+            if !self.is_clear((tree, arena), node.cell(number), place.child(number), (common, octant)) {
+                return false;
+            }
+        }
+        true
+    }
+
     /// Walks through the cells of a node, whose program is given.
     fn cells<'w>(
         &mut self,
@@ -203,10 +239,7 @@ impl Walker {
         flock: &mut Flock,
     ) {
         let tree = walk.tree;
-        let unit = place.unit();
-        let faces: [[f64; 5]; 3] = std::array::from_fn(|axis| {
-            std::array::from_fn(|i| tree.face(axis, place.corner[axis] + unit * i as u32))
-        });
+        let faces = tree.faces(place);
         let mut crossed = common.crossed(walk.octant, &faces);
         let flip = flip(walk.octant);
         while crossed != 0 && flock.active != 0 {
