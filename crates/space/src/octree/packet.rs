@@ -131,8 +131,9 @@ impl Packet {
     }
 
     /// Takes at most 64 rays; the set of those that are not empty.
-    pub(super) fn load(&mut self, level: Level, rays: &[Ray]) -> u64 {
-        for (lane, ray) in rays.iter().enumerate() {
+    pub(super) fn load(&mut self, level: Level, rays: impl ExactSizeIterator<Item = Ray>) -> u64 {
+        let count = rays.len();
+        for (lane, ray) in rays.enumerate() {
             for axis in 0..3 {
                 self.origin[axis][lane] = ray.origin[axis];
                 self.direction[axis][lane] = ray.direction[axis];
@@ -141,8 +142,8 @@ impl Packet {
             self.end[lane] = ray.end;
         }
         // Nobody walks in the other lanes.
-        self.start[rays.len()..].fill(0.0);
-        self.end[rays.len()..].fill(0.0);
+        self.start[count..].fill(0.0);
+        self.end[count..].fill(0.0);
         wide(
             level,
             #[inline(always)]
@@ -166,16 +167,6 @@ impl Packet {
                 set
             },
         )
-    }
-
-    pub(super) fn ray(&self, lane: usize) -> Ray {
-        let vector = |of: &[Lanes; 3]| [of[0][lane], of[1][lane], of[2][lane]];
-        Ray {
-            origin: vector(&self.origin),
-            direction: vector(&self.direction),
-            start: self.start[lane],
-            end: self.end[lane],
-        }
     }
 
     /// Splits a set by the signs of the directions: bit 0 of the number for x, and so on.
@@ -338,10 +329,8 @@ impl Common {
     /// What all rays origin + direction·t, t ≥ 0, have in common whose origins and directions lie between those given,
     /// with the octant of one of them.
     pub(super) fn of_hull(hull: &[([f64; 3], [f64; 3]); 4]) -> (Self, usize) {
-        let (mut common, mut octant) = (
-            Self { origin: [(0.0, 0.0); 3], inverse: [(0.0, 0.0); 3], start: 0.0, end: f64::INFINITY },
-            0,
-        );
+        let (mut common, mut octant) =
+            (Self { origin: [(0.0, 0.0); 3], inverse: [(0.0, 0.0); 3], start: 0.0, end: f64::INFINITY }, 0);
         for axis in 0..3 {
             let range = |of: &dyn Fn(usize) -> f64| {
                 (0..4).map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |r, x| (r.0.min(x), r.1.max(x)))

@@ -23,7 +23,7 @@ pub(super) struct Target<'t> {
 
 impl Target<'_> {
     /// Targets of one program have the same.
-    fn key(&self) -> usize {
+    pub(super) fn key(&self) -> usize {
         std::ptr::from_ref(self.program) as usize
     }
 }

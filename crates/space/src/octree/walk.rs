@@ -16,6 +16,11 @@ use typed_arena::Arena;
 /// Rays that start further away than so many times the size begin anew where they start, so that numbers stay small.
 const FAR: f64 = 64.0;
 
+/// Rays are marched with the program of the node around a cell if it has at most so many times as many instructions, and
+/// so many more.
+const LONGER: usize = 2;
+const FEW_INSTRUCTIONS: usize = 12;
+
 /// What a thread needs to walk; keeps its memory between calls.
 #[derive(Debug)]
 pub struct Walker {
@@ -57,9 +62,31 @@ struct Walk<'w> {
     solves: Vec<Solve<'w>>,
     /// Rays whose hits have been found.
     hits: Vec<Target<'w>>,
-    /// The place of the first ray of the packet.
-    first: usize,
+    /// Rays that are to be marched through a cell before they walk on.
+    pending: Vec<Pending<'w>>,
+    /// Which rays the lanes of the packet are.
+    places: [usize; LANES],
     octant: usize,
+}
+
+/// A ray that sets out, or that walks on.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    place: usize,
+    /// Where.
+    t: f64,
+    /// Whether that is inside, if it is known.
+    inside: Option<bool>,
+}
+
+/// A part of a ray that is to be marched.
+#[derive(Clone, Copy, Debug)]
+struct Pending<'w> {
+    target: Target<'w>,
+    /// From where to where, and where the cell ends.
+    part: (f64, f64),
+    exit: f64,
+    inside: Option<bool>,
 }
 
 /// The rays of a packet that are on their way.
@@ -155,21 +182,18 @@ impl Octree {
             outcomes: vec![Outcome::nothing(); rays.len()],
             solves: Vec::with_capacity(rays.len()),
             hits: Vec::new(),
-            first: 0,
+            pending: Vec::new(),
+            places: [0; LANES],
             octant: 0,
         };
-        for (i, rays) in rays.chunks(LANES).enumerate() {
-            walk.first = i * LANES;
-            let set = walker.packet.load(walker.level, rays);
-            for (octant, set) in walker.packet.octants(set).into_iter().enumerate().filter(|(_, s)| *s != 0) {
-                walk.octant = octant;
-                let mut flock = Flock { active: set, known: 0, inside: 0 };
-                let common = walker.packet.common(walker.level, set);
-                walker.divide(&mut walk, &self.root, Place::ROOT, &common, &mut flock);
-                for lane in lanes_of(flock.active) {
-                    walk.outcome(lane).ends_inside = flock.inside >> lane & 1 == 1;
-                }
+        let start = |(place, ray): (usize, &Ray)| Start { place, t: ray.start, inside: None };
+        let mut starts: Vec<Start> =
+            rays.iter().enumerate().filter(|(_, ray)| !ray.is_empty()).map(start).collect();
+        while !starts.is_empty() {
+            for starts in starts.chunks(LANES) {
+                walker.walk_packet(&mut walk, rays, starts);
             }
+            starts = walker.march_pending(&mut walk, rays);
         }
         let Walk { mut outcomes, mut solves, hits, .. } = walk;
         let width = settings.tolerance * settings.size;
@@ -184,11 +208,70 @@ impl Octree {
 
 impl Walk<'_> {
     fn outcome(&mut self, lane: usize) -> &mut Outcome {
-        &mut self.outcomes[self.first + lane]
+        &mut self.outcomes[self.places[lane]]
     }
 }
 
 impl Walker {
+    /// Walks with at most 64 rays until they have found something, want to be marched, or are through.
+    fn walk_packet(&mut self, walk: &mut Walk<'_>, rays: &[Ray], starts: &[Start]) {
+        let (mut known, mut inside) = (0, 0);
+        for (lane, start) in starts.iter().enumerate() {
+            walk.places[lane] = start.place;
+            known |= u64::from(start.inside.is_some()) << lane;
+            inside |= u64::from(start.inside == Some(true)) << lane;
+        }
+        let rays = starts.iter().map(|start| Ray { start: start.t, ..rays[start.place] });
+        let set = self.packet.load(self.level, rays);
+        for (octant, set) in self.packet.octants(set).into_iter().enumerate().filter(|(_, s)| *s != 0) {
+            walk.octant = octant;
+            let mut flock = Flock { active: set, known, inside };
+            let common = self.packet.common(self.level, set);
+            let tree = walk.tree;
+            self.divide(walk, &tree.root, Place::ROOT, &common, &mut flock);
+            for lane in lanes_of(flock.active) {
+                walk.outcome(lane).ends_inside = flock.inside >> lane & 1 == 1;
+            }
+        }
+    }
+
+    /// Marches the rays that wait for it, those with one program together; those that go on behind their cells.
+    fn march_pending(&mut self, walk: &mut Walk<'_>, rays: &[Ray]) -> Vec<Start> {
+        let mut pending = std::mem::take(&mut walk.pending);
+        pending.sort_by_key(|pending| pending.target.key());
+        let mut starts = Vec::new();
+        for same in pending.chunk_by(|a, b| a.target.key() == b.target.key()) {
+            self.parts.clear();
+            self.parts.extend(same.iter().map(|pending| Part {
+                ray: Ray { start: pending.part.0, end: pending.part.1, ..rays[pending.target.place] },
+                spent: walk.outcomes[pending.target.place].cost,
+                inside: pending.inside,
+            }));
+            let Walk { outcomes, hits, settings, .. } = walk;
+            self.tracer.march(same[0].target.program, &self.parts, settings, |i, found| {
+                let Pending { target, exit, inside, .. } = same[i];
+                let outcome = &mut outcomes[target.place];
+                outcome.cost += found.cost;
+                outcome.certificate = outcome.certificate.max(found.certificate);
+                if inside.is_none() {
+                    outcome.starts_inside = found.starts_inside;
+                }
+                outcome.hit = found.hit;
+                outcome.ends_inside = found.ends_inside;
+                if found.hit.is_some() {
+                    hits.push(target);
+                } else if !(settings.caps && outcome.starts_inside) && exit < rays[target.place].end {
+                    starts.push(Start { place: target.place, t: exit, inside: Some(found.ends_inside) });
+                }
+            });
+        }
+        // Neighbours stay together, in whatever order they came.
+        starts.sort_unstable_by_key(|start| start.place);
+        pending.clear();
+        walk.pending = pending;
+        starts
+    }
+
     /// Walks through the cells of a cell that is divided.
     fn divide<'w>(
         &mut self,
@@ -267,7 +350,7 @@ impl Walker {
                 continue;
             }
             if cell.is_leaf {
-                self.march(walk, &cell.programs.value, set, flock);
+                self.postpone(walk, (&cell.programs.value, program), set, flock);
             } else if 4 * set.count_ones() <= 3 * flock.active.count_ones() {
                 let mut some = Flock { active: set, ..*flock };
                 let common = self.packet.common(self.level, set);
@@ -308,7 +391,7 @@ impl Walker {
                     touching: false,
                 });
                 outcome.certificate = outcome.certificate.max(Certificate::Tolerance);
-                walk.hits.push(Target { place: walk.first + lane, program });
+                walk.hits.push(Target { place: walk.places[lane], program });
                 flock.active &= !bit;
             }
         }
@@ -425,7 +508,7 @@ impl Walker {
             return walk.outcome(lane).hit = Some(hit);
         }
         walk.solves.push(Solve {
-            target: Target { place: walk.first + lane, program: &cell.programs.value },
+            target: Target { place: walk.places[lane], program: &cell.programs.value },
             bracket: (from, to),
             slope: c.slope[lane],
             spread: c.spread[lane],
@@ -433,46 +516,28 @@ impl Walker {
         });
     }
 
-    /// Marches rays where the facet leaves roots possible.
-    fn march<'w>(&mut self, walk: &mut Walk<'w>, program: &'w Tape, set: u64, flock: &mut Flock) {
-        if set == 0 {
-            return;
-        }
-        self.lanes.clear();
-        self.parts.clear();
+    /// Has rays marched where the facet leaves roots possible, with the program of the cell or, so that more of them
+    /// are marched together, of the one that it is part of.
+    fn postpone<'w>(
+        &mut self,
+        walk: &mut Walk<'w>,
+        (program, around): (&'w Tape, &'w Tape),
+        set: u64,
+        flock: &mut Flock,
+    ) {
+        let is_short = around.len() <= LONGER * program.len() + FEW_INSTRUCTIONS;
+        let program = if is_short { around } else { program };
         for lane in lanes_of(set) {
-            self.meet_start(lane, self.crossing.enter[lane], flock);
+            let (enter, exit) = (self.crossing.enter[lane], self.crossing.exit[lane]);
+            self.meet_start(lane, enter, flock);
             let known = flock.known >> lane & 1 == 1;
-            let start = if known { self.crossing.from[lane] } else { self.crossing.enter[lane] };
-            let ray = Ray { start, end: self.crossing.to[lane], ..self.packet.ray(lane) };
-            if ray.is_empty() {
-                continue;
-            }
-            let inside = known.then_some(flock.inside >> lane & 1 == 1);
-            self.lanes.push(lane);
-            self.parts.push(Part { ray, spent: walk.outcome(lane).cost, inside });
-        }
-        let (lanes, parts) = (&self.lanes, &self.parts);
-        self.tracer.march(program, parts, walk.settings, |place, found| {
-            let lane = lanes[place];
-            let (bit, caps) = (1 << lane, walk.settings.caps);
-            let outcome = walk.outcome(lane);
-            outcome.cost += found.cost;
-            outcome.certificate = outcome.certificate.max(found.certificate);
-            if parts[place].inside.is_none() {
-                outcome.starts_inside = found.starts_inside;
-            }
-            flock.known |= bit;
-            flock.inside = if found.ends_inside { flock.inside | bit } else { flock.inside & !bit };
-            outcome.hit = found.hit;
-            if found.hit.is_some() || (caps && outcome.starts_inside) {
-                outcome.ends_inside = found.ends_inside;
-                flock.active &= !bit;
-            }
-        });
-        for lane in lanes_of(set & !flock.active) {
-            if walk.outcome(lane).hit.is_some() {
-                walk.hits.push(Target { place: walk.first + lane, program });
+            let start = if known { self.crossing.from[lane] } else { enter };
+            let part = (start, self.crossing.to[lane]);
+            if part.0 < part.1 {
+                let inside = known.then_some(flock.inside >> lane & 1 == 1);
+                let target = Target { place: walk.places[lane], program };
+                walk.pending.push(Pending { target, part, exit, inside });
+                flock.active &= !(1 << lane);
             }
         }
     }
