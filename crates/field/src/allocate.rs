@@ -1,7 +1,11 @@
 //! Registers for the values of a tape.
 
 use crate::tape::{Code, Instruction, Op, Operand};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
+
+/// Instead of the place of the instruction that reads a value last: nobody reads it; it is kept.
+const NEVER: u32 = u32::MAX;
+const KEPT: u32 = u32::MAX - 1;
 
 /// Registers by linear scan; a loop is one instruction that holds all it needs until it ends.
 pub(crate) struct Allocator<'c> {
@@ -31,43 +35,37 @@ impl<'c> Allocator<'c> {
         self.register[value as usize] = register;
     }
 
-    /// What an instruction reads that was made outside it.
-    fn reads(&self, instruction: &Instruction) -> Vec<u32> {
-        let mut reads = Vec::with_capacity(3);
-        self.collect_reads(instruction, &mut reads);
-        reads
-    }
-
-    fn collect_reads(&self, instruction: &Instruction, reads: &mut Vec<u32>) {
-        let mut push = |o: &Operand| {
+    /// Calls with every value that an instruction reads and that was made outside it.
+    fn for_each_read(code: &Code, instruction: &Instruction, f: &mut dyn FnMut(u32)) {
+        let mut read = |o: &Operand| {
             if let Operand::Value(v) = o {
-                reads.push(*v);
+                f(*v);
             }
         };
         match instruction.op {
             Op::Loop(l) => {
-                let code = &self.code.loops[l as usize];
-                code.for_each_operand(&mut push);
-                for inner in code.test.iter().chain(&code.body) {
+                let body = &code.loops[l as usize];
+                body.for_each_operand(&mut read);
+                for inner in body.test.iter().chain(&body.body) {
                     if matches!(inner.op, Op::Loop(_) | Op::Call { .. }) {
-                        self.collect_reads(inner, reads);
+                        Self::for_each_read(code, inner, f);
                     }
                 }
             }
-            Op::Call { arguments, .. } => self.code.arguments[arguments as usize].iter().for_each(push),
-            _ => instruction.operands.iter().for_each(push),
+            Op::Call { arguments, .. } => code.arguments[arguments as usize].iter().for_each(read),
+            _ => instruction.operands.iter().for_each(read),
         }
     }
 
-    /// Where each value is read for the last time, never for those that are `kept`.
-    fn last_reads(&self, instructions: &[Instruction], kept: &[Operand]) -> FxHashMap<u32, usize> {
-        let mut last_read = FxHashMap::default();
+    /// Where each value is read for the last time: [`KEPT`] for those that are `kept`, [`NEVER`] for others.
+    fn last_reads(&self, instructions: &[Instruction], kept: &[Operand]) -> Vec<u32> {
+        let mut last_read = vec![NEVER; self.register.len()];
         for (i, instruction) in instructions.iter().enumerate() {
-            last_read.extend(self.reads(instruction).into_iter().map(|v| (v, i)));
+            Self::for_each_read(self.code, instruction, &mut |v| last_read[v as usize] = i as u32);
         }
         for o in kept {
             if let Operand::Value(v) = o {
-                last_read.insert(*v, usize::MAX);
+                last_read[*v as usize] = KEPT;
             }
         }
         last_read
@@ -76,39 +74,38 @@ impl<'c> Allocator<'c> {
     /// Allocates a block; `kept` must survive it. Values made outside the block are not freed in it.
     pub(crate) fn block(&mut self, instructions: &[Instruction], kept: &[Operand]) {
         let last_read = self.last_reads(instructions, kept);
-        let mut made: Vec<u32> = Vec::new();
-        let mut own: FxHashSet<u32> = Default::default();
+        // Values made in this block whose registers are taken.
+        let mut own = vec![false; self.register.len()];
         for (i, instruction) in instructions.iter().enumerate() {
-            let made_by_loop = match instruction.op {
-                Op::Loop(l) => {
-                    self.inner_loop(l);
-                    Some(self.code.loops[l as usize].results.clone())
-                }
-                _ => None,
-            };
-            // What is read here for the last time may lend its register to the result.
-            for v in self.reads(instruction) {
-                if last_read.get(&v) == Some(&i) && own.remove(&v) {
-                    self.free.push(self.register[v as usize]);
-                }
+            if let Op::Loop(l) = instruction.op {
+                self.inner_loop(l);
             }
-            let results = made_by_loop.unwrap_or_else(|| {
-                self.give(instruction.result);
-                vec![instruction.result]
+            // What is read here for the last time may lend its register to the result.
+            let Self { code, register, free, .. } = self;
+            Self::for_each_read(code, instruction, &mut |v| {
+                if last_read[v as usize] == i as u32 && std::mem::take(&mut own[v as usize]) {
+                    free.push(register[v as usize]);
+                }
             });
-            for v in results {
-                made.push(v);
-                if last_read.contains_key(&v) {
-                    own.insert(v);
+            let mut made = |this: &mut Self, v: u32| {
+                if last_read[v as usize] == NEVER {
+                    this.free.push(this.register[v as usize]);
                 } else {
-                    self.free.push(self.register[v as usize]);
+                    own[v as usize] = true;
+                }
+            };
+            match instruction.op {
+                Op::Loop(l) => self.code.loops[l as usize].results.iter().for_each(|&v| made(self, v)),
+                _ => {
+                    self.give(instruction.result);
+                    made(self, instruction.result);
                 }
             }
         }
         // The block's values end with it, but for those kept, whose owner frees them.
-        for v in made {
-            if own.contains(&v) && last_read.get(&v) != Some(&usize::MAX) {
-                self.free.push(self.register[v as usize]);
+        for (v, own) in own.into_iter().enumerate() {
+            if own && last_read[v] != KEPT {
+                self.free.push(self.register[v]);
             }
         }
     }

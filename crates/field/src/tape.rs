@@ -312,15 +312,42 @@ impl Tape {
         });
         let mut loops = self.code.loops.clone();
         loops.iter_mut().for_each(|l| l.map_operands(&resolve));
-        let arguments =
-            self.code.arguments.iter().map(|list| list.iter().map(|&o| resolve(o)).collect()).collect();
-        let mut tape = Tape {
-            code: Code { instructions, loops, arguments, outputs },
-            run: Code::default(),
-            ..self.clone_shared()
-        };
+        let mut arguments: Vec<Vec<Operand>> = vec![Vec::new(); self.code.arguments.len()];
+        // Calls inside of loops have theirs too.
+        let inner = loops.iter().flat_map(|l| l.test.iter().chain(&l.body));
+        for instruction in instructions.iter().chain(inner) {
+            if let Op::Call { arguments: list, .. } = instruction.op {
+                let list = list as usize;
+                arguments[list] = self.code.arguments[list].iter().map(|&o| resolve(o)).collect();
+            }
+        }
+        let code = Code { instructions, loops, arguments, outputs };
+        let mut tape = Tape { code, ..self.clone_shared() };
+        tape.renumber();
         tape.allocate();
         tape
+    }
+
+    /// Numbers the values anew, without gaps, so that what is done for each costs no more than the program is long.
+    fn renumber(&mut self) {
+        // Loops keep lists of values, and are rarely shortened.
+        if !self.code.loops.is_empty() {
+            return;
+        }
+        let mut number = vec![u32::MAX; self.value_count as usize];
+        (0..self.input_count).for_each(|i| number[i as usize] = i);
+        let mut count = self.input_count;
+        for instruction in &self.code.instructions {
+            number[instruction.result as usize] = count;
+            count += 1;
+        }
+        let operand = |o: Operand| match o {
+            // What unread operands of an instruction name may be gone.
+            Operand::Value(v) => Operand::Value(number[v as usize].min(count.saturating_sub(1))),
+            constant => constant,
+        };
+        self.code.map_registers(&operand, &|v| number[v as usize]);
+        self.value_count = count;
     }
 
     fn clone_shared(&self) -> Tape {
