@@ -4,8 +4,7 @@ use crate::contest::Contestant;
 use crate::error::BenchError;
 use crate::view::{Lens, Walk};
 use fieldstone::{
-    LoadOptions, RenderRequest, Scene, Settings, Sight, Slice, SlicePicture, SliceRequest, SliceStyle, Stats,
-    Viewer, draw_slice,
+    Bindings, Lattice, LoadOptions, Octree, OctreeOptions, RenderRequest, Scene, Settings, Sight, Stats, Viewer,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
@@ -109,39 +108,43 @@ impl Contestant for Frames<'_> {
     }
 }
 
-/// A shape of the plane z = 0 as a slice, in the square from −1 to 1 that moves to the right from frame to frame. Its axes
-/// and its smooth edges are drawn as well.
+/// Which points of the plane z = 0 are inside of a shape, in the square from −1 to 1 that moves to the right from frame to
+/// frame, by the octree of its field, which is kept.
 pub struct Slices {
-    name: String,
-    slice: Slice,
-    threads: usize,
+    tree: Octree,
+    operations: usize,
+    size: u32,
+    pool: ThreadPool,
     setup: f64,
-    last: Option<SlicePicture>,
+    last: Option<Vec<bool>>,
 }
 
 impl Slices {
     /// How far the square moves from one frame to the next.
     pub const STEP: f64 = 0.01;
+    /// How far it can move at most.
+    const FURTHEST: f64 = 2.0;
 
     /// Slices of `size` × `size` pixels on so many threads.
     ///
     /// # Errors
-    /// A model that cannot be read or has no plane z = 0.
+    /// A model that cannot be read, threads that cannot be started.
     pub fn read(path: &Path, size: u32, threads: usize) -> Result<Self, BenchError> {
         let start = Instant::now();
         let name = path.display().to_string();
         let loaded = fieldstone::load(path, &LoadOptions::default());
         let loaded = loaded.map_err(|e| BenchError::model(&name, e))?;
-        let plane = Some(fieldstone::Plane { axis: 2, at: 0.0 });
-        let style = SliceStyle::Plain;
-        let request = SliceRequest { plane, size: (size, size), style, ..SliceRequest::default() };
-        let (slice, _) = request.resolve(&loaded.model).map_err(|e| BenchError::model(&name, e))?;
-        Ok(Self { name, slice, threads, setup: start.elapsed().as_secs_f64(), last: None })
+        let field = &loaded.model.field;
+        let corners = ([-1.0, -1.0, -0.01], [1.0 + Self::FURTHEST, 1.0, 0.01]);
+        let tree = Octree::new(field, &Bindings::new(), corners, OctreeOptions::default());
+        let operations = field.operation_count();
+        let setup = start.elapsed().as_secs_f64();
+        Ok(Self { tree, operations, size, pool: pool(threads)?, setup, last: None })
     }
 
     /// How many operations the model has.
     pub fn operation_count(&self) -> usize {
-        self.slice.field.operation_count()
+        self.operations
     }
 }
 
@@ -151,16 +154,23 @@ impl Contestant for Slices {
     }
 
     fn draw(&mut self, frame: u32) -> Result<(), BenchError> {
-        let shift = Self::STEP * f64::from(frame);
-        self.slice.window = fieldstone::Window { min: [shift - 1.0, -1.0], max: [shift + 1.0, 1.0] };
-        let picture = draw_slice(&self.slice, Some(self.threads));
-        self.last = Some(picture.map_err(|e| BenchError::model(&self.name, e))?);
+        let shift = (Self::STEP * f64::from(frame)) % Self::FURTHEST;
+        let step = 2.0 / f64::from(self.size);
+        let lattice = Lattice {
+            axes: [0, 1],
+            at: 0.0,
+            first: [shift - 1.0 + 0.5 * step, 0.5 * step - 1.0],
+            step: [step; 2],
+            size: [self.size; 2],
+        };
+        self.last = Some(self.pool.install(|| self.tree.inside(&lattice)));
         Ok(())
     }
 
-    /// None: the axes take some of the picture.
+    /// Rows from top to bottom.
     fn silhouette(&self) -> Option<Vec<bool>> {
-        None
+        let rows = |inside: &Vec<bool>| inside.chunks(self.size as usize).rev().flatten().copied().collect();
+        self.last.as_ref().map(rows)
     }
 
     fn setup_seconds(&self) -> f64 {
