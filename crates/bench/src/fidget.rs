@@ -118,7 +118,8 @@ impl<F: Function + RenderHints> Contestant for Fidget<F> {
                 Picture::Voxels(voxel::render(shape, &config, &how).ok_or_else(nothing)?)
             }
             Scene::Plane => {
-                let shift = Vector2::new((Slices::STEP * f64::from(frame)) as f32, 0.0);
+                let half_pixel = 1.0 / self.size as f32;
+                let shift = Vector2::new((Slices::STEP * f64::from(frame)) as f32 + half_pixel, half_pixel);
                 let config = pixel::RenderConfig {
                     world_to_model: Matrix3::new_translation(&shift),
                     ..pixel::RenderConfig::from_size(self.size.into())
