@@ -3,7 +3,7 @@
 mod kit;
 
 use fieldstone_field::{
-    F64, Field, Function, Gradients, Graph, Input, Interval, NodeId, Tape, TapeOptions, Workspace,
+    F64, Field, Function, Gradients, Graph, Input, Interval, Intervals, NodeId, Tape, TapeOptions, Workspace,
 };
 use fieldstone_solids::{Curve, CurveError, Minimum, MinimumError, project, sweep, tube};
 use kit::{Random, at, ball, check, coordinates, field};
@@ -81,7 +81,7 @@ fn a_bezier_curve_and_its_program_sweep_the_same() {
     check("bezier", &bezier, 1);
 }
 
-fn swept_cube(points: [[f64; 3]; 2]) -> Field {
+fn swept_cube(points: &[[f64; 3]]) -> Field {
     let mut inner = Graph::new();
     let point = coordinates(&mut inner);
     let half = inner.constant(0.4);
@@ -123,7 +123,7 @@ fn largest(of: [f64; 3]) -> Option<usize> {
 
 #[test]
 fn a_cube_along_a_line_has_the_normals_of_a_box() {
-    let swept = swept_cube([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+    let swept = swept_cube(&[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
     let wrong = gradients_differ(&swept, |[x, y, z]| {
         let at = largest([x.abs() - 0.5, y.abs(), z.abs()])?;
         Some([0, 1, 2].map(|k| if k == at { [x, y, z][k].signum() } else { 0.0 }))
@@ -134,7 +134,7 @@ fn a_cube_along_a_line_has_the_normals_of_a_box() {
 /// Along a diagonal two faces meet at the minimiser: max(|x − u|, |y − u|) is least at (x + y)/2, where it is |x − y|/2.
 #[test]
 fn a_cube_along_a_diagonal_has_the_normals_of_a_prism() {
-    let swept = swept_cube([[-2.0, -2.0, 0.0], [2.0, 2.0, 0.0]]);
+    let swept = swept_cube(&[[-2.0, -2.0, 0.0], [2.0, 2.0, 0.0]]);
     let wrong = gradients_differ(&swept, |[x, y, z]| {
         let side = 0.5 * (x - y).signum();
         match largest([0.5 * (x - y).abs(), z.abs(), 0.0])? {
@@ -146,10 +146,28 @@ fn a_cube_along_a_diagonal_has_the_normals_of_a_prism() {
     assert!(wrong < 1e-9, "{wrong:e}");
 }
 
+/// Bounds from below close in on the value where the minimiser lies on a kink, near an end of the curve too.
+#[test]
+fn bounds_close_in_near_the_end_of_a_curve() {
+    let swept = swept_cube(&[[-1.6, 0.8, 0.0], [1.6, -0.8, 0.0], [0.6, 0.8, 2.4]]);
+    let tape = Tape::new(&swept, &TapeOptions::default());
+    let mut boxes = Workspace::<F64, Intervals>::new();
+    // The faces in y and z meet where the curve is 0.009 from its end, and farther away.
+    for p in [[0.62, 0.373, 2.759], [0.62, 0.1, 2.5]] {
+        let size = 1e-6;
+        for (k, x) in p.into_iter().enumerate() {
+            (boxes.input(k, 0)[0], boxes.input(k, 1)[0]) = (x - size, x + size);
+        }
+        boxes.run(&tape, 1);
+        let below = at(&swept, p) - boxes.output(0, 0)[0];
+        assert!((0.0..8.0 * size).contains(&below), "{below:e} at {p:?}");
+    }
+}
+
 /// A box with kinks, swept along a straight line: where faces are parallel to the line, many places are least.
 #[test]
 fn a_cube_along_a_line_is_a_longer_box() {
-    let swept = swept_cube([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+    let swept = swept_cube(&[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
     let mut random = Random(4);
     for _ in 0..300 {
         let [x, y, z] = [0; 3].map(|_| 4.0 * random.unit() - 2.0);
