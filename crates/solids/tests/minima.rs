@@ -5,7 +5,7 @@ mod kit;
 use fieldstone_field::{
     F64, Field, Function, Gradients, Graph, Input, Interval, Intervals, NodeId, Tape, TapeOptions, Workspace,
 };
-use fieldstone_solids::{Curve, CurveError, Minimum, MinimumError, project, sweep, tube};
+use fieldstone_solids::{Curve, CurveError, Minimum, MinimumError, dilate, project, sweep, tube};
 use kit::{Random, at, ball, check, coordinates, field};
 
 fn swept_ball(curve: &Curve, radius: f64) -> Field {
@@ -91,6 +91,39 @@ fn swept_cube(points: &[[f64; 3]]) -> Field {
     let mut graph = Graph::new();
     let value = sweep(&mut graph, &inner, value, &Curve::Polyline(points.to_vec())).expect("a line");
     Field::new(graph, value, Vec::new())
+}
+
+/// max(|x|, |y|, |z|) − 0.2 is no distance beside edges and corners, which balls round nevertheless.
+#[test]
+fn a_cube_dilated_by_a_ball_is_a_rounded_cube() {
+    let mut inner = Graph::new();
+    let point = coordinates(&mut inner);
+    let half = inner.constant(0.2);
+    let sides = point.map(|x| inner.abs(x));
+    let largest = sides.into_iter().reduce(|a, b| inner.max(a, b)).expect("three sides");
+    let value = inner.sub(largest, half);
+    let mut graph = Graph::new();
+    let dilated = dilate(&mut graph, (&inner, value), 0.3).expect("a radius");
+    let dilated = Field::new(graph, dilated, Vec::new());
+    let tape = Tape::new(&dilated, &TapeOptions::default());
+    let mut boxes = Workspace::<F64, Intervals>::new();
+    // Places of the surface on a face, an edge and a corner.
+    let corner = 0.2 + 0.3 / 3f64.sqrt();
+    for place in [[0.5, 0.1, 0.05], [0.44, 0.38, -0.1], [corner; 3]] {
+        for step in [-1e-3, 1e-3] {
+            let p = place.map(|x| if x > 0.2 { x + step } else { x });
+            let value = at(&dilated, p);
+            assert!(value * step > 0.0, "{value:e} at {p:?}");
+            for (k, x) in p.into_iter().enumerate() {
+                (boxes.input(k, 0)[0], boxes.input(k, 1)[0]) = (x - 1e-4, x + 1e-4);
+            }
+            boxes.run(&tape, 1);
+            let bound = Interval::new(boxes.output(0, 0)[0], boxes.output(0, 1)[0]);
+            assert!(bound.contains(value), "{value:e} escapes {bound:?} at {p:?}");
+        }
+    }
+    let refused = dilate(&mut Graph::new(), (&inner, value), 0.0).err();
+    assert!(matches!(refused, Some(MinimumError::Range(..))), "{refused:?}");
 }
 
 /// The difference of a gradient to the expected one at random points near the surface.
