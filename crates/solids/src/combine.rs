@@ -3,7 +3,7 @@
 use fieldstone_field::{Graph, NodeId};
 
 /// f − d: grown by d > 0, shrunk by d < 0. As far as d everywhere where f is a distance; elsewhere by as much as f takes
-/// to change by d. A true offset of any other solid is a [`sweep`](crate::sweep) only along curves.
+/// to change by d. What grows any solid by the same distance everywhere is [`dilate`](crate::dilate).
 pub fn offset(graph: &mut Graph, field: NodeId, distance: NodeId) -> NodeId {
     graph.sub(field, distance)
 }

@@ -7,6 +7,7 @@
 mod bernstein;
 mod blend;
 mod combine;
+mod dilate;
 pub mod expression;
 mod least;
 mod map;
@@ -25,6 +26,7 @@ mod weight;
 
 pub use blend::{Blend, Blended, Joint, join, linear};
 pub use combine::{offset, product, shell};
+pub use dilate::dilate;
 pub use least::{Course, least};
 pub use map::{
     affine, bend, invert, mirror, mirror_across, moved, polar_repeat, repeat, repeat_onward, repeat_times,

@@ -3,9 +3,10 @@
 //! min over u of F(X, u) is the union of the solids F(·, u). At a point it is searched for: values at [`CELLS`] places,
 //! and ever denser ones around the least of them. Two places whose basins lie between the same places of the first
 //! search are not told apart. With a box in the place of X, what that search can find is enclosed (`enclosure`). The
-//! gradient is that of F at the minimiser (the envelope theorem).
+//! gradient is that of F at the minimiser, or where F has a kink there, of both sides (`gradient`).
 
 mod enclosure;
+mod gradient;
 mod search;
 
 use crate::rounding::rounding;
@@ -234,22 +235,6 @@ impl Function for Minimum {
     }
 
     fn gradient(&self, arguments: &[f64], gradient: &mut [f64]) {
-        with_scratch(|scratch| {
-            let place = self.found(scratch, arguments).place;
-            let place = self.refined(scratch, arguments, place);
-            let slopes = &mut scratch.gradients;
-            for first in (0..arguments.len()).step_by(3) {
-                for (k, value) in arguments.iter().chain([&place]).enumerate() {
-                    for c in 0..4 {
-                        let is_seed = k < arguments.len() && c > 0 && k == first + c - 1;
-                        slopes.input(k, c)[0] = if c == 0 { *value } else { f64::from(u8::from(is_seed)) };
-                    }
-                }
-                slopes.run(&self.tape, 1);
-                for (c, slope) in gradient[first..].iter_mut().take(3).enumerate() {
-                    *slope = slopes.output(0, c + 1)[0];
-                }
-            }
-        });
+        with_scratch(|scratch| self.slopes_at(scratch, arguments, gradient));
     }
 }

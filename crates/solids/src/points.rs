@@ -6,6 +6,8 @@
 //! rest by conjugate gradients on a sparse system.
 
 mod kernel;
+mod neighbours;
+mod normals;
 mod solve;
 mod sum;
 
@@ -80,20 +82,26 @@ pub struct Points {
 }
 
 impl PointCloud {
+    /// A cloud of points without normals, which are estimated (Hoppe et al. 1992): good where the points lie closer together
+    /// than the surface bends or comes near to itself. A surface inside of another that is no neighbour of it is oriented as if
+    /// it stood alone. Takes time in proportion to n log n.
+    ///
+    /// # Errors
+    /// Too few or too many points; points that are not finite.
+    pub fn without_normals(points: Vec<[f64; 3]>) -> Result<Self, PointError> {
+        check_places(&points)?;
+        let normals = normals::estimated(&points);
+        Ok(Self { points, normals })
+    }
+
     fn check(&self, options: &Reconstruction) -> Result<(), PointError> {
-        if !(4..=MAX_POINTS).contains(&self.points.len()) {
-            return Err(PointError::Count(self.points.len()));
-        }
+        check_places(&self.points)?;
         if self.points.len() != self.normals.len() {
             return Err(PointError::Normals { points: self.points.len(), normals: self.normals.len() });
         }
         let length = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let is_bad = |i: &usize| {
-            let long = length(&self.normals[*i]);
-            !(long > 0.0 && long.is_finite())
-                || self.points[*i].iter().any(|x| x.abs().is_nan() || x.abs() > 1e9)
-        };
-        if let Some(at) = (0..self.points.len()).find(is_bad) {
+        let has_direction = |v| length(v) > 0.0 && length(v).is_finite();
+        if let Some(at) = self.normals.iter().position(|normal| !has_direction(normal)) {
             return Err(PointError::Point(at));
         }
         let is_fine = options.smoothing >= 0.0
@@ -151,6 +159,16 @@ impl PointCloud {
         let fine = solve::sparse(&places, &rest, support, options.smoothing);
         Ok(Points::new(vec![base, fine]))
     }
+}
+
+/// Whether there are as many points as a solid may have, and all are finite.
+fn check_places(points: &[[f64; 3]]) -> Result<(), PointError> {
+    if !(4..=MAX_POINTS).contains(&points.len()) {
+        return Err(PointError::Count(points.len()));
+    }
+    // NaN is no less.
+    let is_fine = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= 1e9);
+    points.iter().position(|p| !is_fine(p)).map_or(Ok(()), |at| Err(PointError::Point(at)))
 }
 
 /// Points that lie far apart: each is the one farthest from those before it.

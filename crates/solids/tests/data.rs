@@ -142,6 +142,69 @@ fn points_of_an_ellipsoid_make_an_ellipsoid() {
     }
 }
 
+/// The least cosine of the angles between estimated and exact normals.
+fn least_cosine(cloud: &PointCloud) -> f64 {
+    let estimated = PointCloud::without_normals(cloud.points.clone()).expect("points");
+    let pairs = estimated.normals.iter().zip(&cloud.normals);
+    let cosines = pairs.map(|(a, b)| {
+        let dot: f64 = (0..3).map(|k| a[k] * b[k]).sum();
+        dot / b.iter().map(|x| x * x).sum::<f64>().sqrt()
+    });
+    cosines.fold(1.0, f64::min)
+}
+
+#[test]
+fn estimated_normals_of_a_sphere_point_outside() {
+    for count in [100, 2000] {
+        let least = least_cosine(&ellipsoid(count, [1.0; 3]));
+        assert!(least > 0.98, "{count}: {least}");
+    }
+    // The comparer sees a cloud that is inside out.
+    let mut inside_out = ellipsoid(100, [1.0; 3]);
+    inside_out.normals.iter_mut().flatten().for_each(|n| *n = -*n);
+    assert!(least_cosine(&inside_out) < -0.98);
+}
+
+#[test]
+fn estimated_normals_of_points_by_chance_point_outside() {
+    let mut random = Random(11);
+    let mut cloud = PointCloud::default();
+    while cloud.points.len() < 1500 {
+        let p = [0; 3].map(|_| 2.0 * random.unit() - 1.0);
+        let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length > 0.1 && length < 1.0 {
+            cloud.points.push(p.map(|x| x / length));
+            cloud.normals.push(p);
+        }
+    }
+    let least = least_cosine(&cloud);
+    assert!(least > 0.9, "{least}");
+}
+
+#[test]
+fn estimated_normals_of_a_torus_and_a_body_beside_it_point_outside() {
+    let mut cloud = ellipsoid(400, [0.3, 0.5, 0.4]);
+    cloud.points.iter_mut().for_each(|p| p[0] += 4.0);
+    for i in 0..3000 {
+        let (a, b) = (0.618_033_988_75 * f64::from(i), f64::from(i) / 3000.0);
+        let [(sa, ca), (sb, cb)] = [a, b].map(|turn| (turn * std::f64::consts::TAU).sin_cos());
+        cloud.points.push([(1.0 + 0.4 * cb) * ca, (1.0 + 0.4 * cb) * sa, 0.4 * sb]);
+        cloud.normals.push([cb * ca, cb * sa, sb]);
+    }
+    let least = least_cosine(&cloud);
+    assert!(least > 0.9, "{least}");
+}
+
+#[test]
+fn points_without_normals_make_a_solid() {
+    let points = ellipsoid(500, [1.4, 1.0, 0.7]).points;
+    let cloud = PointCloud::without_normals(points).expect("points");
+    let solid = cloud.reconstruct(&Reconstruction::default()).expect("a solid");
+    assert!(solid.value(&[0.0; 3]) < 0.0 && solid.value(&[1.5, 0.0, 0.0]) > 0.0);
+    let far = PointCloud::without_normals(vec![[0.0, 0.0, f64::NAN]; 9]).err();
+    assert_eq!(far, Some(PointError::Point(0)));
+}
+
 #[test]
 fn points_that_make_no_solid_are_refused() {
     let options = Reconstruction::default();

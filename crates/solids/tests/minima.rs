@@ -2,8 +2,10 @@
 
 mod kit;
 
-use fieldstone_field::{Field, Function, Graph, Input, Interval, NodeId};
-use fieldstone_solids::{Curve, CurveError, Minimum, MinimumError, project, sweep, tube};
+use fieldstone_field::{
+    F64, Field, Function, Gradients, Graph, Input, Interval, Intervals, NodeId, Tape, TapeOptions, Workspace,
+};
+use fieldstone_solids::{Curve, CurveError, Minimum, MinimumError, dilate, project, sweep, tube};
 use kit::{Random, at, ball, check, coordinates, field};
 
 fn swept_ball(curve: &Curve, radius: f64) -> Field {
@@ -79,9 +81,7 @@ fn a_bezier_curve_and_its_program_sweep_the_same() {
     check("bezier", &bezier, 1);
 }
 
-/// A box with kinks, swept along a straight line: where faces are parallel to the line, many places are least.
-#[test]
-fn a_cube_along_a_line_is_a_longer_box() {
+fn swept_cube(points: &[[f64; 3]]) -> Field {
     let mut inner = Graph::new();
     let point = coordinates(&mut inner);
     let half = inner.constant(0.4);
@@ -89,9 +89,118 @@ fn a_cube_along_a_line_is_a_longer_box() {
     let largest = sides.into_iter().reduce(|a, b| inner.max(a, b)).expect("three sides");
     let value = inner.sub(largest, half);
     let mut graph = Graph::new();
-    let line = Curve::Polyline(vec![[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
-    let value = sweep(&mut graph, &inner, value, &line).expect("a line");
-    let swept = Field::new(graph, value, Vec::new());
+    let value = sweep(&mut graph, &inner, value, &Curve::Polyline(points.to_vec())).expect("a line");
+    Field::new(graph, value, Vec::new())
+}
+
+/// max(|x|, |y|, |z|) − 0.2 is no distance beside edges and corners, which balls round nevertheless.
+#[test]
+fn a_cube_dilated_by_a_ball_is_a_rounded_cube() {
+    let mut inner = Graph::new();
+    let point = coordinates(&mut inner);
+    let half = inner.constant(0.2);
+    let sides = point.map(|x| inner.abs(x));
+    let largest = sides.into_iter().reduce(|a, b| inner.max(a, b)).expect("three sides");
+    let value = inner.sub(largest, half);
+    let mut graph = Graph::new();
+    let dilated = dilate(&mut graph, (&inner, value), 0.3).expect("a radius");
+    let dilated = Field::new(graph, dilated, Vec::new());
+    let tape = Tape::new(&dilated, &TapeOptions::default());
+    let mut boxes = Workspace::<F64, Intervals>::new();
+    // Places of the surface on a face, an edge and a corner.
+    let corner = 0.2 + 0.3 / 3f64.sqrt();
+    for place in [[0.5, 0.1, 0.05], [0.44, 0.38, -0.1], [corner; 3]] {
+        for step in [-1e-3, 1e-3] {
+            let p = place.map(|x| if x > 0.2 { x + step } else { x });
+            let value = at(&dilated, p);
+            assert!(value * step > 0.0, "{value:e} at {p:?}");
+            for (k, x) in p.into_iter().enumerate() {
+                (boxes.input(k, 0)[0], boxes.input(k, 1)[0]) = (x - 1e-4, x + 1e-4);
+            }
+            boxes.run(&tape, 1);
+            let bound = Interval::new(boxes.output(0, 0)[0], boxes.output(0, 1)[0]);
+            assert!(bound.contains(value), "{value:e} escapes {bound:?} at {p:?}");
+        }
+    }
+    let refused = dilate(&mut Graph::new(), (&inner, value), 0.0).err();
+    assert!(matches!(refused, Some(MinimumError::Range(..))), "{refused:?}");
+}
+
+/// The difference of a gradient to the expected one at random points near the surface.
+fn gradients_differ(field: &Field, expected: impl Fn([f64; 3]) -> Option<[f64; 3]>) -> f64 {
+    let tape = Tape::new(field, &TapeOptions::default());
+    let mut slopes = Workspace::<F64, Gradients>::new();
+    let (mut random, mut compared, mut largest) = (Random(9), 0, 0.0f64);
+    for _ in 0..2000 {
+        let p = [0; 3].map(|_| 2.4 * random.unit() - 1.2);
+        let Some(gradient) = expected(p) else { continue };
+        for (k, &x) in p.iter().enumerate() {
+            slopes.input(k, 0)[0] = x;
+            for seed in 0..3 {
+                slopes.input(k, seed + 1)[0] = f64::from(u8::from(k == seed));
+            }
+        }
+        slopes.run(&tape, 1);
+        compared += 1;
+        largest = (0..3).map(|k| (slopes.output(0, k + 1)[0] - gradient[k]).abs()).fold(largest, f64::max);
+    }
+    assert!(compared > 500, "{compared}");
+    largest
+}
+
+/// Which of a few numbers is the largest, if it is by more than a little.
+fn largest(of: [f64; 3]) -> Option<usize> {
+    let at = (0..3).max_by(|&a, &b| of[a].total_cmp(&of[b]))?;
+    (0..3).all(|k| k == at || of[k] < of[at] - 1e-3).then_some(at)
+}
+
+#[test]
+fn a_cube_along_a_line_has_the_normals_of_a_box() {
+    let swept = swept_cube(&[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+    let wrong = gradients_differ(&swept, |[x, y, z]| {
+        let at = largest([x.abs() - 0.5, y.abs(), z.abs()])?;
+        Some([0, 1, 2].map(|k| if k == at { [x, y, z][k].signum() } else { 0.0 }))
+    });
+    assert!(wrong < 1e-9, "{wrong:e}");
+}
+
+/// Along a diagonal two faces meet at the minimiser: max(|x − u|, |y − u|) is least at (x + y)/2, where it is |x − y|/2.
+#[test]
+fn a_cube_along_a_diagonal_has_the_normals_of_a_prism() {
+    let swept = swept_cube(&[[-2.0, -2.0, 0.0], [2.0, 2.0, 0.0]]);
+    let wrong = gradients_differ(&swept, |[x, y, z]| {
+        let side = 0.5 * (x - y).signum();
+        match largest([0.5 * (x - y).abs(), z.abs(), 0.0])? {
+            0 => Some([side, -side, 0.0]),
+            1 => Some([0.0, 0.0, z.signum()]),
+            _ => None,
+        }
+    });
+    assert!(wrong < 1e-9, "{wrong:e}");
+}
+
+/// Bounds from below close in on the value where the minimiser lies on a kink, near an end of the curve too.
+#[test]
+fn bounds_close_in_near_the_end_of_a_curve() {
+    let swept = swept_cube(&[[-1.6, 0.8, 0.0], [1.6, -0.8, 0.0], [0.6, 0.8, 2.4]]);
+    let tape = Tape::new(&swept, &TapeOptions::default());
+    let mut boxes = Workspace::<F64, Intervals>::new();
+    // The faces in y and z meet where the curve is 0.009 from its end, and farther away.
+    for p in [[0.62, 0.373, 2.759], [0.62, 0.1, 2.5]] {
+        let size = 1e-6;
+        for (k, x) in p.into_iter().enumerate() {
+            (boxes.input(k, 0)[0], boxes.input(k, 1)[0]) = (x - size, x + size);
+        }
+        boxes.run(&tape, 1);
+        let below = at(&swept, p) - boxes.output(0, 0)[0];
+        assert!((0.0..8.0 * size).contains(&below), "{below:e} at {p:?}");
+    }
+}
+
+/// A box with kinks, swept along a straight line: where faces are parallel to the line, many places are least.
+#[test]
+fn a_cube_along_a_line_is_a_longer_box() {
+    let swept = swept_cube(&[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
     let mut random = Random(4);
     for _ in 0..300 {
         let [x, y, z] = [0; 3].map(|_| 4.0 * random.unit() - 2.0);

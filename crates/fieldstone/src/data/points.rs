@@ -1,4 +1,4 @@
-//! Points with normals: PLY, and tables of numbers.
+//! Points with and without normals: PLY, and tables of numbers.
 
 use super::{DataError, read};
 use fieldstone_solids::{MAX_POINTS, PointCloud};
@@ -6,15 +6,22 @@ use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{Header, PropertyAccess, PropertyAccessResult};
 use std::path::Path;
 
-/// Reads points with normals, which point outside: PLY with `x y z nx ny nz` from `.ply`, and six columns x, y, z, nx, ny,
-/// nz from any other file, separated by commas, semicolons, tabs or blanks, with or without a line of names.
+/// Reads points and their normals, which point outside: PLY with `x y z nx ny nz` from `.ply`, and six columns x, y, z, nx, ny,
+/// nz from any other file, separated by commas, semicolons, tabs or blanks, with or without a line of names. Of a PLY with
+/// `x y z` alone, or three columns, normals are [estimated](PointCloud::without_normals).
 ///
 /// # Errors
-/// Files that cannot be read, have too many points, or hold something else.
+/// Files that cannot be read, have too many points, or hold something else; points of which no normals can be
+/// estimated.
 pub fn load_points(path: &Path) -> Result<PointCloud, DataError> {
     let bytes = read(path)?;
     let is_ply = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-    if is_ply { ply(path, &bytes) } else { table(path, &bytes) }
+    let cloud = if is_ply { ply(path, &bytes) } else { table(path, &bytes) }?;
+    if !cloud.normals.is_empty() {
+        return Ok(cloud);
+    }
+    PointCloud::without_normals(cloud.points)
+        .map_err(|reason| DataError::Points { path: path.to_owned(), reason })
 }
 
 /// A point of a PLY file.
@@ -48,7 +55,7 @@ fn ply(path: &Path, bytes: &[u8]) -> Result<PointCloud, DataError> {
     let failed =
         |e: &dyn std::fmt::Display| DataError::content(path, None, format!("this is no PLY file: {e}"));
     let header = parser.read_header(&mut reader).map_err(|e| failed(&e))?;
-    check(&header).map_err(|message| DataError::content(path, None, message))?;
+    let has_normals = check(&header).map_err(|message| DataError::content(path, None, message))?;
     let mut cloud = PointCloud::default();
     for (name, element) in &header.elements {
         let points =
@@ -56,7 +63,9 @@ fn ply(path: &Path, bytes: &[u8]) -> Result<PointCloud, DataError> {
         if name.as_str() == "vertex" {
             for Vertex([x, y, z, u, v, w]) in points {
                 cloud.points.push([x, y, z]);
-                cloud.normals.push([u, v, w]);
+                if has_normals {
+                    cloud.normals.push([u, v, w]);
+                }
             }
             break;
         }
@@ -64,25 +73,27 @@ fn ply(path: &Path, bytes: &[u8]) -> Result<PointCloud, DataError> {
     Ok(cloud)
 }
 
-/// Whether there are points with normals, and not too many, nor too much before them.
-fn check(header: &Header) -> Result<(), String> {
+/// Whether the points have normals, and whether they are points, not too many, nor too much before them.
+fn check(header: &Header) -> Result<bool, String> {
     let Some(vertex) = header.elements.get("vertex") else {
         return Err("there is no element `vertex`".to_owned());
     };
-    for name in NAMES {
-        if !vertex.properties.contains_key(name) {
-            let what = if name.starts_with('n') { "normals (nx, ny, nz)" } else { "coordinates (x, y, z)" };
-            return Err(format!("the points have no `{name}`: {what} are needed"));
-        }
+    let has = |name: &&str| vertex.properties.contains_key(*name);
+    let (places, normals) = NAMES.split_at(3);
+    let has_normals = normals.iter().any(has);
+    let needed = if has_normals { &NAMES } else { places };
+    if let Some(name) = needed.iter().find(|name| !has(name)) {
+        let what = if has_normals { "normals (nx, ny, nz)" } else { "coordinates (x, y, z)" };
+        return Err(format!("the points have no `{name}`: {what} are needed"));
     }
     let most = header.elements.values().map(|element| element.count as u64).max().unwrap_or(0);
     if vertex.count as u64 > MAX_POINTS as u64 || most > 100 * MAX_POINTS as u64 {
         return Err(format!("there are {} points, and at most {MAX_POINTS} are read", vertex.count));
     }
-    Ok(())
+    Ok(has_normals)
 }
 
-/// Lines of six numbers.
+/// Lines of six numbers, or of three without normals.
 fn table(path: &Path, bytes: &[u8]) -> Result<PointCloud, DataError> {
     let first = bytes.split(|&b| b == b'\n').find(|line| !line.is_empty()).unwrap_or_default();
     let delimiter = [b',', b';', b'\t'].into_iter().find(|d| first.contains(d)).unwrap_or(b' ');
@@ -100,15 +111,15 @@ fn table(path: &Path, bytes: &[u8]) -> Result<PointCloud, DataError> {
         let cells = record.iter().filter(|cell| delimiter != b' ' || !cell.is_empty());
         let numbers: Option<Vec<f64>> = cells.map(|cell| cell.parse().ok()).collect();
         match numbers.as_deref() {
-            Some(&[x, y, z, u, v, w]) => {
+            Some(&[x, y, z, u, v, w]) if cloud.normals.len() == cloud.points.len() => {
                 cloud.points.push([x, y, z]);
                 cloud.normals.push([u, v, w]);
             }
+            Some(&[x, y, z]) if cloud.normals.is_empty() => cloud.points.push([x, y, z]),
             // The line of names.
             None if number == 0 => {}
             Some(other) => {
-                let message = format!("a line has six numbers (x, y, z and the normal), not {}", other.len());
-                return Err(DataError::content(path, line, message));
+                return Err(DataError::content(path, line, columns(&cloud, other.len())));
             }
             None => {
                 let message = "here is something else than a number".to_owned();
@@ -120,4 +131,14 @@ fn table(path: &Path, bytes: &[u8]) -> Result<PointCloud, DataError> {
         }
     }
     Ok(cloud)
+}
+
+/// What is wrong with a line of `found` numbers.
+fn columns(cloud: &PointCloud, found: usize) -> String {
+    let most = match (cloud.points.len(), cloud.normals.len()) {
+        (0, _) => "six numbers (x, y, z and the normal), or three",
+        (_, 0) => "three numbers (x, y, z), as those above",
+        _ => "six numbers (x, y, z and the normal), as those above",
+    };
+    format!("a line has {most}, not {found}")
 }

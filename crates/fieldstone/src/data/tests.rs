@@ -133,7 +133,23 @@ fn tables_of_points_with_any_separator() {
         message(load_points(&path)).rsplit('/').next().unwrap_or_default().to_owned()
     };
     assert_eq!(refuse("1,2,3,0,0,1\n1,2,x,0,0,1\n"), "a.csv:2: here is something else than a number");
-    assert_eq!(refuse("1,2,3\n"), "a.csv:1: a line has six numbers (x, y, z and the normal), not 3");
+    assert_eq!(refuse("1,2\n"), "a.csv:1: a line has six numbers (x, y, z and the normal), or three, not 2");
+    let as_above = "a.csv:2: a line has three numbers (x, y, z), as those above, not 6";
+    assert_eq!(refuse("1,2,3\n1,2,3,0,0,1\n"), as_above);
+    let as_above = "a.csv:2: a line has six numbers (x, y, z and the normal), as those above, not 3";
+    assert_eq!(refuse("1,2,3,0,0,1\n1,2,3\n"), as_above);
+    assert_eq!(refuse("1,2,3\n"), "a.csv: a solid needs 4 to 50000 points, not 1");
+}
+
+#[test]
+fn points_without_normals_get_some() {
+    let corners = "0 0 0\n2 0 0\n0 2 0\n0 0 2\n2 2 0\n2 0 2\n0 2 2\n2 2 2\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    for (name, text) in [("a.txt", corners.to_owned()), ("a.ply", ply.to_owned() + corners)] {
+        let (_folder, path) = file(name, text.as_bytes());
+        let cloud = load_points(&path).unwrap();
+        assert_eq!((cloud.points.len(), cloud.normals.len()), (8, 8), "{name}");
+    }
 }
 
 fn ply_header(format: &str, count: usize) -> String {
@@ -164,8 +180,14 @@ fn ply_files_that_are_none_are_errors() {
         message(load_points(&path))
     };
     assert!(refuse(b"solid\n").contains("this is no PLY file"));
-    let plain = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n";
-    assert!(refuse(plain.as_bytes()).ends_with("the points have no `nx`: normals (nx, ny, nz) are needed"));
+    let header = |names: &[&str]| {
+        let properties = names.iter().map(|n| format!("property float {n}\n")).collect::<String>();
+        format!("ply\nformat ascii 1.0\nelement vertex 1\n{properties}end_header\n0 0 0 0\n")
+    };
+    let half = refuse(header(&["x", "y", "z", "nx"]).as_bytes());
+    assert!(half.ends_with("the points have no `ny`: normals (nx, ny, nz) are needed"), "{half}");
+    let flat = refuse(header(&["x", "y"]).as_bytes());
+    assert!(flat.ends_with("the points have no `z`: coordinates (x, y, z) are needed"), "{flat}");
     let many = refuse(ply_header("ascii", 4_000_000_000).as_bytes());
     assert!(many.ends_with("there are 4000000000 points, and at most 50000 are read"), "{many}");
     assert!(refuse(ply_header("binary_little_endian", 5).as_bytes()).contains("this is no PLY file"));

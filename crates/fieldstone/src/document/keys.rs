@@ -227,7 +227,7 @@ pub(super) static POINTS: Section = Section {
     name: "a solid from points",
     shared: &[],
     keys: &[
-        key("file", File, "PLY with normals, or a table of x, y, z, nx, ny, nz."),
+        key("file", File, "PLY, or a table of x, y, z, nx, ny, nz; without normals they are estimated."),
         key("smoothing", Number, "How much noise is evened out, from 0 on; default: 0."),
         key("offset", Number, "How far from the points its values are set, of their box; default: 0.01."),
     ],

@@ -100,6 +100,22 @@ fn projections_are_the_least_over_the_fourth_coordinate() {
 }
 
 #[test]
+fn points_without_normals_make_a_solid() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut table = String::from("x,y,z\n");
+    for i in 0..150 {
+        let z = 1.0 - (2.0 * f64::from(i) + 1.0) / 150.0;
+        let (sine, cosine) = (2.4 * f64::from(i)).sin_cos();
+        let radius = (1.0 - z * z).sqrt();
+        table += &format!("{},{},{z}\n", radius * cosine, radius * sine);
+    }
+    fs::write(folder.path().join("plain.csv"), table).unwrap();
+    let scene = solid_in(folder.path(), "points = { file = \"plain.csv\" }").unwrap();
+    assert!(value(&scene, [0.0; 3]) < 0.0 && value(&scene, [0.95, 0.0, 0.0]) < 0.0);
+    assert!(value(&scene, [0.0, 1.05, 0.0]) > 0.0 && value(&scene, [1.9, 1.9, 1.9]) > 0.0);
+}
+
+#[test]
 fn mistakes_are_told_in_their_place() {
     for (solid, said) in [
         ("voxels = { level = 1 }", "`file` is missing"),
@@ -127,7 +143,7 @@ fn mistakes_are_told_in_their_place() {
         ("projection = { from = 1 }", "`solid` is missing"),
     ] {
         let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("few.csv"), "x y z\n1 2 3\n").unwrap();
+        fs::write(folder.path().join("few.csv"), "x y z\n1 2\n").unwrap();
         let error = solid_in(folder.path(), solid).unwrap_err();
         assert!(error.contains(said), "{solid}: {error}");
         assert!(error.contains("scene.toml:3:") || error.contains("few.csv:"), "no place: {error}");

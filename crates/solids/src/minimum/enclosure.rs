@@ -88,9 +88,9 @@ impl Stretch {
         self.cells.iter().fold(self.ceiling, |least, cell| least.min(cell.floor))
     }
 
-    /// From the first cell to the end of the last.
+    /// The lengths of all cells.
     fn length(&self) -> f64 {
-        self.cells.first().zip(self.cells.last()).map_or(0.0, |(first, last)| last.to - first.from)
+        self.cells.iter().map(|cell| cell.to - cell.from).sum()
     }
 }
 

@@ -17,6 +17,8 @@ pub(super) struct Found {
     pub(super) value: f64,
     /// Where it is taken.
     pub(super) place: f64,
+    /// How far apart the last places lay: those beside it are not lower.
+    pub(super) within: f64,
 }
 
 impl Minimum {
@@ -33,10 +35,11 @@ impl Minimum {
 
     /// Searches the minimum at a point.
     pub(super) fn search(&self, scratch: &mut Scratch, arguments: &[f64]) -> Found {
-        let mut found = Found { value: f64::INFINITY, place: self.range[0] };
+        let mut found = Found { value: f64::INFINITY, place: self.range[0], within: self.spacing(0) };
         let mut places: Vec<f64> = self.middles().collect();
         for stage in 0..=STAGES[1] {
             let spread = self.look(scratch, (arguments, &places), &mut found);
+            found.within = self.spacing(stage);
             if stage >= STAGES[0] && spread.is_none_or(|s| s <= 1e-15 * found.value.abs().max(1.0)) {
                 break;
             }
@@ -68,7 +71,7 @@ impl Minimum {
         for (&place, &value) in places.iter().zip(values.output(0, 0)) {
             (least, most) = (least.min(value), most.max(value));
             if value < found.value {
-                *found = Found { value, place };
+                (found.value, found.place) = (value, place);
             }
         }
         (least <= most).then_some(most - least)
@@ -76,15 +79,10 @@ impl Minimum {
 
     /// The minimiser near a place that was found, by Newton's method; the place itself where F does not curve upward.
     pub(super) fn refined(&self, scratch: &mut Scratch, arguments: &[f64], place: f64) -> f64 {
-        let values = &mut scratch.values;
         let near = self.spacing(STAGES[0] / 2);
         let mut next = place;
         for _ in 0..4 {
-            for (k, &argument) in arguments.iter().chain([&next]).enumerate() {
-                values.input(k, 0)[0] = argument;
-            }
-            values.run(&self.newton, 1);
-            let (slope, bend) = (values.output(1, 0)[0], values.output(2, 0)[0]);
+            let [slope, bend] = self.slope_and_bend(scratch, arguments, next);
             let moved = (next - slope / bend).clamp(self.range[0], self.range[1]);
             // NaN fails both.
             let is_near = (moved - place).abs() <= near;
@@ -95,5 +93,15 @@ impl Minimum {
             next = moved;
         }
         next
+    }
+
+    /// ∂F/∂u and ∂²F/∂u² at a place.
+    pub(super) fn slope_and_bend(&self, scratch: &mut Scratch, arguments: &[f64], place: f64) -> [f64; 2] {
+        let values = &mut scratch.values;
+        for (k, &argument) in arguments.iter().chain([&place]).enumerate() {
+            values.input(k, 0)[0] = argument;
+        }
+        values.run(&self.newton, 1);
+        [1, 2].map(|output| values.output(output, 0)[0])
     }
 }
