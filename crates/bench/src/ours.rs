@@ -4,7 +4,8 @@ use crate::contest::Contestant;
 use crate::error::BenchError;
 use crate::view::{Lens, Walk};
 use fieldstone::{
-    Bindings, Lattice, LoadOptions, Octree, OctreeOptions, RenderRequest, Scene, Settings, Sight, Stats, Viewer,
+    Bindings, Lattice, LoadOptions, Octree, OctreeOptions, RenderRequest, Scene, Settings, Sight, Stats,
+    Viewer,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;

@@ -124,8 +124,8 @@ pub use fieldstone_scene::{
 };
 pub use fieldstone_solids::{Interpolation, PointCloud, PointError, Reconstruction, VoxelArray, VoxelError};
 pub use fieldstone_space::{
-    Census, DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, Lattice, MeasureOptions, Measures, Octree, OctreeOptions,
-    Walker, solid_bounds,
+    Census, DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, Lattice, MeasureOptions, Measures, Octree,
+    OctreeOptions, Walker, solid_bounds,
 };
 pub use fieldstone_trace::Certificate;
 pub use glam;

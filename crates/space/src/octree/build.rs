@@ -91,9 +91,9 @@ impl Builder {
         let half = tree.half(place);
         for (lane, &number) in open.iter().enumerate() {
             let centre = tree.centre(place, number);
-            for axis in 0..3 {
-                self.centres.input(axis, 0)[lane] = centre[axis];
-                self.centres.input(axis, 1)[lane] = centre[axis];
+            for (axis, &x) in centre.iter().enumerate() {
+                self.centres.input(axis, 0)[lane] = x;
+                self.centres.input(axis, 1)[lane] = x;
             }
         }
         self.centres.run(&cell.programs.value, open.len());
@@ -184,10 +184,9 @@ impl Octree {
     fn fill_boxes(&self, boxes: &mut Workspace<F64, Intervals>, place: Place, numbers: &[u32]) {
         let unit = place.unit();
         for (lane, &number) in numbers.iter().enumerate() {
-            let corner = place.child(number).corner;
-            for axis in 0..3 {
-                boxes.input(axis, 0)[lane] = self.face(axis, corner[axis]) - self.slack;
-                boxes.input(axis, 1)[lane] = self.face(axis, corner[axis] + unit) + self.slack;
+            for (axis, &index) in place.child(number).corner.iter().enumerate() {
+                boxes.input(axis, 0)[lane] = self.face(axis, index) - self.slack;
+                boxes.input(axis, 1)[lane] = self.face(axis, index + unit) + self.slack;
             }
         }
     }

@@ -159,8 +159,8 @@ impl Looker {
     fn evaluate(&mut self, look: &mut Look<'_>, program: &Tape) {
         for block in self.open.chunks(LANES) {
             for (lane, (_, point)) in block.iter().enumerate() {
-                for axis in 0..3 {
-                    self.points.input(axis, 0)[lane] = point[axis];
+                for (axis, &x) in point.iter().enumerate() {
+                    self.points.input(axis, 0)[lane] = x;
                 }
             }
             self.points.run(program, block.len());

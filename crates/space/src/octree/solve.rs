@@ -111,10 +111,10 @@ impl Solver {
         let mut count = solves.len();
         while count > 0 {
             for axis in 0..3 {
-                let row = points.input(axis, 0);
-                for lane in 0..count {
-                    row[lane] = block.origin[axis][lane] + block.direction[axis][lane] * block.trial[lane];
-                }
+                let row = points.input(axis, 0)[..count].iter_mut().enumerate();
+                row.for_each(|(lane, x)| {
+                    *x = block.origin[axis][lane] + block.direction[axis][lane] * block.trial[lane];
+                });
             }
             points.run(solves[0].target.program, count);
             block.take(self.level, points.output(0, 0), width, count);
@@ -149,8 +149,8 @@ impl Solver {
                 for (lane, target) in block.iter().enumerate() {
                     let Some(hit) = outcomes[target.place].hit else { continue };
                     let point = rays[target.place].at(if hit.touching { hit.t - hair } else { hit.t });
-                    for axis in 0..3 {
-                        self.gradients.input(axis, 0)[lane] = point[axis];
+                    for (axis, &x) in point.iter().enumerate() {
+                        self.gradients.input(axis, 0)[lane] = x;
                     }
                 }
                 for axis in 0..3 {
@@ -255,8 +255,9 @@ impl Block {
     }
 
     fn is_done(&self, lane: usize, width: f64) -> bool {
-        // Also where rounding made the bounds cross.
-        !(self.far[lane] - self.near[lane] > width) || self.turns[lane] >= MOST
+        // Also where rounding made the bounds cross, and where they are undefined.
+        let is_wide = self.far[lane] - self.near[lane] > width;
+        !is_wide || self.turns[lane] >= MOST
     }
 
     fn finish(&self, lane: usize, width: f64, outcome: &mut Outcome) {
