@@ -53,7 +53,7 @@ impl<'s> Viewer<'s> {
         };
         let tiles = Tile::all(width, height);
         let lens = Lens { rays: camera.rays(f64::from(width) / f64::from(height)), size };
-        let found: Vec<(Vec<(u32, u32)>, Vec<Seen>, u64)> = tiles
+        let found: Vec<Looked> = tiles
             .par_iter()
             .map_init(Asker::default, |asker, tile| {
                 let before = asker.evaluations;
@@ -61,12 +61,12 @@ impl<'s> Viewer<'s> {
                 let rays: Vec<(DVec3, DVec3)> =
                     pixels.iter().map(|&(x, y)| lens.ray(f64::from(x) + 0.5, f64::from(y) + 0.5)).collect();
                 let seen = self.look_at(asker, &rays);
-                (pixels, seen, asker.evaluations - before)
+                Looked { pixels, seen, evaluations: asker.evaluations - before }
             })
             .collect();
         sight.stats.rays = pixels as u64;
         sight.stats.certified = pixels as u64;
-        for (pixels, seen, evaluations) in &found {
+        for Looked { pixels, seen, evaluations } in &found {
             sight.stats.evaluations += evaluations;
             for (&(x, y), seen) in pixels.iter().zip(seen) {
                 sight.set(y as usize * width as usize + x as usize, seen);
@@ -150,6 +150,13 @@ impl<'s> Viewer<'s> {
         };
         answers.iter().map(seen).collect()
     }
+}
+
+/// What was seen in a tile: the pixels in which there may be something.
+struct Looked {
+    pixels: Vec<(u32, u32)>,
+    seen: Vec<Seen>,
+    evaluations: u64,
 }
 
 /// The nearest surface that a ray has met so far.
