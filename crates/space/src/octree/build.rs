@@ -11,8 +11,11 @@ use typed_arena::Arena;
 const WORTH_A_COPY: f64 = 0.9;
 /// Cells without slopes are divided, from the second level on, only if their programs get shorter than this part.
 const PROGRESS: f64 = 0.7;
-/// Slopes are looked at from this level on.
+/// From this level on cells that promise nothing are not divided.
 const FACETS_FROM: usize = 1;
+/// Slopes of more instructions than this, of which less than one in so many is a choice, are looked at later.
+const MANY_SLOPES: usize = 512;
+const RARE: usize = 10;
 /// About how many bytes an instruction takes, in both of its forms.
 const INSTRUCTION_BYTES: usize = 112;
 
@@ -62,7 +65,7 @@ impl Builder {
             .collect();
         let divided = kept.iter().zip(&leaves).filter(|(_, leaf)| !**leaf).map(|(&(i, _), _)| i as u32);
         let mut slopes = match &cell.programs.slopes {
-            Some(tape) if place.level >= FACETS_FROM => {
+            Some(tape) if is_due(tape, place.level) => {
                 self.shortened(tape, &self.slopes, divided).into_iter().map(Some).collect()
             }
             kept => vec![kept.clone(); divided.count()],
@@ -80,7 +83,8 @@ impl Builder {
 
     /// What encloses the field in some cells; the slopes of their lanes stay in the workspace.
     fn facets(&mut self, tree: &Octree, cell: &Cell, place: Place, open: &[u32]) -> Vec<Option<Facet>> {
-        let Some(tape) = cell.programs.slopes.as_ref().filter(|_| place.level >= FACETS_FROM) else {
+        let is_due = |tape: &&Arc<Tape>| is_due(tape, place.level);
+        let Some(tape) = cell.programs.slopes.as_ref().filter(is_due) else {
             return vec![None; open.len()];
         };
         if open.is_empty() {
@@ -133,6 +137,13 @@ impl Builder {
         };
         lanes.map(shortened).collect()
     }
+}
+
+/// Whether slopes are looked at in the cells of a node of this level: at once if cells decide much of them, so that they
+/// become shorter, otherwise only where cells are small.
+fn is_due(slopes: &Tape, level: usize) -> bool {
+    let is_rigid = slopes.len() > MANY_SLOPES && RARE * slopes.choices().count() < slopes.len();
+    !is_rigid || level > FACETS_FROM
 }
 
 /// Whether a cell need not be divided.

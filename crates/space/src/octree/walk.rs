@@ -7,7 +7,7 @@
 use super::build::Builder;
 use super::packet::{Common, Crossing, ORDER, Packet, flip, lanes_of};
 use super::solve::{Solve, Solver, Target};
-use super::{Cell, Node, Octree, Place};
+use super::{Cell, LEVELS, Node, Octree, Place};
 use fearless_simd::Level;
 use fieldstone_field::{F64, LANES, Points, Tape, Workspace};
 use fieldstone_trace::{Certificate, Hit, Outcome, Part, Ray, Settings, Tracer};
@@ -15,6 +15,10 @@ use typed_arena::Arena;
 
 /// Rays that start further away than so many times the size begin anew where they start, so that numbers stay small.
 const FAR: f64 = 64.0;
+
+/// So many rays of a packet must want an open cell at each level to be divided; fewer are marched through it. It does not
+/// matter whether it has been divided before, since what rays find must not depend on others.
+const WORTH_DIVIDING: [u32; LEVELS] = [1, 6, 12, 1];
 
 /// Rays are marched with the program of the node around a cell if it has at most so many times as many instructions, and
 /// so many more.
@@ -349,7 +353,8 @@ impl Walker {
             if set == 0 {
                 continue;
             }
-            if cell.is_leaf {
+            let are_few = set.count_ones() < WORTH_DIVIDING[place.level];
+            if cell.is_leaf || are_few {
                 self.postpone(walk, (&cell.programs.value, program), set, flock);
             } else if 4 * set.count_ones() <= 3 * flock.active.count_ones() {
                 let mut some = Flock { active: set, ..*flock };
