@@ -11,15 +11,19 @@
 //! Lengths are in units of the volume's edge: the volume is the unit cube, a cell of level l is 2ˡ / edge wide.
 
 mod build;
+mod file;
 mod filter;
 mod morton;
 mod pack;
 mod sggx;
+mod stats;
 mod texel;
 mod volume;
 
 pub use build::{BuildError, Builder};
+pub use file::FileError;
 pub use filter::Mode;
 pub use sggx::Sggx;
+pub use stats::{Fidelity, Size};
 pub use texel::{MAX_DEPTH, Phong, Texel};
 pub use volume::{Found, MAX_EDGE, Volume};
