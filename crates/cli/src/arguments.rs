@@ -13,6 +13,7 @@ use crate::examples;
 use crate::failure::Failure;
 use crate::measure::MeasureArguments;
 use crate::plot::PlotArguments;
+use crate::texel::TexelCommand;
 
 /// The headings of the options in the help.
 pub(crate) const VIEW: &str = "View";
@@ -54,6 +55,9 @@ pub(crate) enum Command {
     /// Write a model in another language: HyperFun, a program or a formula.
     #[command(after_help = examples::CONVERT)]
     Convert(ConvertArguments),
+    /// Make volumes of texels, and look into them.
+    #[command(subcommand, after_help = examples::TEXEL)]
+    Texel(TexelCommand),
     /// Print the JSON Schema of scene files, for editors.
     #[command(after_help = examples::SCHEMA)]
     Schema,

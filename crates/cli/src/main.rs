@@ -16,6 +16,7 @@ mod progress;
 mod render;
 mod schema;
 mod slice;
+mod texel;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Man(arguments) => man::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
         Command::Plot(arguments) => plot::run(&arguments),
+        Command::Texel(command) => texel::run(&command, start),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -13,3 +13,4 @@ mod render;
 mod robust;
 mod scene;
 mod slice;
+mod texel;

@@ -1,4 +1,4 @@
-//! Pictures of what is in a volume, plane by plane.
+//! Pictures of what is in a volume: a plane of it, or all planes before each other.
 
 use super::TexelError;
 use fieldstone_scene::linear_to_srgb;
@@ -28,8 +28,8 @@ pub struct Cut {
     pub level: u32,
     /// The axis across the plane: 0 for x, 1 for y, 2 for z.
     pub axis: usize,
-    /// Where it crosses the axis, from 0 to 1.
-    pub at: f64,
+    /// Where it crosses the axis, from 0 to 1; all planes together, seen from the far end of the axis, if nowhere.
+    pub at: Option<f64>,
     /// What is shown.
     pub content: CutContent,
 }
@@ -54,25 +54,25 @@ impl Cut {
             let last = volume.levels() - 1;
             return Err(TexelError::Cut(format!("there is no level {}: levels are 0 to {last}", self.level)));
         }
-        if !(0.0..=1.0).contains(&self.at) || self.axis > 2 {
-            return Err(TexelError::Cut(format!("a cut is at a place from 0 to 1, not at {}", self.at)));
+        let at = self.at.unwrap_or(0.0);
+        if !(0.0..=1.0).contains(&at) || self.axis > 2 {
+            return Err(TexelError::Cut(format!("a slice is at a place from 0 to 1, not at {at}")));
         }
         let cells = volume.edge() >> self.level;
         let scale = (512 / cells).max(1);
         let side = (cells * scale).min(MAX_CUT_PIXELS);
-        let across = ((self.at * f64::from(cells)) as u32).min(cells - 1);
+        let across = ((at * f64::from(cells)) as u32).min(cells - 1);
+        let planes = if self.at.is_some() { across..=across } else { 0..=cells - 1 };
         let mut pixels = Vec::with_capacity(3 * (side * side) as usize);
         for row in 0..side {
             for column in 0..side {
                 let (u, v) = (column / scale, cells - 1 - row / scale);
-                let mut cell = [u, v, v];
-                if self.axis == 0 {
-                    cell = [across, u, v];
-                } else {
-                    cell[self.axis] = across;
-                }
-                let ground = if (column / 16 + row / 16) % 2 == 0 { 0.25 } else { 0.12 };
-                let colour = self.colour(volume.texel(self.level, cell).as_ref(), ground);
+                // From the back to the front.
+                let ground = self.ground((column / 16 + row / 16) % 2 == 0);
+                let colour = planes.clone().fold(ground, |behind, plane| {
+                    let cell = [[plane, u, v], [u, plane, v], [u, v, plane]][self.axis];
+                    self.over(behind, volume.texel(self.level, cell).as_ref())
+                });
                 pixels.extend(
                     colour.to_array().map(|c| (linear_to_srgb(c.clamp(0.0, 1.0)) * 255.0).round() as u8),
                 );
@@ -81,20 +81,27 @@ impl Cut {
         Ok(CutPicture { side, pixels })
     }
 
-    fn colour(&self, texel: Option<&Texel>, ground: f64) -> DVec3 {
-        let opacity = |texel: &Texel| -(-f64::from(texel.depth[self.axis])).exp_m1();
-        match (self.content, texel) {
-            (CutContent::Colour, None) => DVec3::splat(ground),
-            (CutContent::Colour, Some(texel)) => {
-                let colour = DVec3::from_array(texel.albedo.map(f64::from));
-                DVec3::splat(ground).lerp(colour, opacity(texel))
-            }
-            (CutContent::Opacity, texel) => DVec3::splat(texel.map_or(0.0, opacity)),
-            (CutContent::Flakes, None) => DVec3::ZERO,
-            (CutContent::Flakes, Some(texel)) => {
+    /// What is seen where nothing is.
+    fn ground(&self, is_light: bool) -> DVec3 {
+        match self.content {
+            CutContent::Colour => DVec3::splat(if is_light { 0.25 } else { 0.12 }),
+            CutContent::Opacity | CutContent::Flakes => DVec3::ZERO,
+        }
+    }
+
+    /// A cell before what is behind it.
+    fn over(&self, behind: DVec3, texel: Option<&Texel>) -> DVec3 {
+        let Some(texel) = texel else { return behind };
+        let colour = match self.content {
+            CutContent::Colour => DVec3::from_array(texel.albedo.map(f64::from)),
+            CutContent::Opacity => DVec3::ONE,
+            CutContent::Flakes => {
                 DVec3::from_array(DVec3::AXES.map(|w| 0.5 * texel.flakes.projected_area(w)))
             }
-        }
+        };
+        let is_plain = self.content == CutContent::Flakes && self.at.is_some();
+        let opacity = if is_plain { 1.0 } else { -(-f64::from(texel.depth[self.axis])).exp_m1() };
+        behind.lerp(colour, opacity)
     }
 }
 
@@ -111,7 +118,7 @@ mod tests {
         let volume = builder.build(Mode::Sggx).expect("one cell");
         for (axis, u, v) in [(0, 2, 3), (1, 1, 3), (2, 1, 2)] {
             let at = ([1.0, 2.0, 3.0][axis] + 0.5) / 4.0;
-            let cut = Cut { level: 0, axis, at, content: CutContent::Opacity };
+            let cut = Cut { level: 0, axis, at: Some(at), content: CutContent::Opacity };
             let picture = cut.draw(&volume).expect("a plane");
             let pixel =
                 |u: u32, v: u32| picture.pixels[3 * ((128 * (3 - v) + 64) * 512 + 128 * u + 64) as usize];
@@ -120,7 +127,7 @@ mod tests {
                 assert_eq!(pixel(i % 4, i / 4), expected, "axis {axis}");
             }
         }
-        let none = Cut { level: 3, axis: 0, at: 0.5, content: CutContent::Colour };
+        let none = Cut { level: 3, axis: 0, at: None, content: CutContent::Colour };
         assert!(none.draw(&volume).is_err());
     }
 }

@@ -7,7 +7,7 @@ use super::values::{
 };
 use crate::load::{LoadError, read_text};
 use fieldstone_lang::{Diagnostic, Diagnostics, Source};
-use fieldstone_texel::paint::{Flakes, Form, Frame, Material, Scatter, Shape, Solid, paint};
+use fieldstone_texel::paint::{Flakes, Form, Frame, Material, Scatter, Shape, paint};
 use fieldstone_texel::{Builder, Mode, Phong, Volume};
 use glam::{DMat3, DVec3};
 use serde::Deserialize;
@@ -69,9 +69,7 @@ impl Recipe {
     pub fn build(&self) -> Result<Volume, TexelError> {
         let mut builder = Builder::new(self.edge)?.cyclic(self.cyclic).phong(self.phong);
         let single = self.shapes.iter().zip(0..).map(|(shape, seed)| shape.solid(seed));
-        let mut solids: Vec<Solid> = single.collect();
-        solids.extend(self.scatters.iter().flat_map(Scatter::solids));
-        paint(&mut builder, &solids)?;
+        paint(&mut builder, single.chain(self.scatters.iter().flat_map(Scatter::solids)))?;
         Ok(builder.build(self.mode)?)
     }
 }
@@ -102,7 +100,7 @@ fn read(text: &str) -> Result<Recipe, Diagnostic> {
 }
 
 /// The greatest number of copies in a recipe.
-const MAX_COPIES: u64 = 1_000_000;
+const MAX_COPIES: u64 = 100_000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -124,35 +124,77 @@ pub struct PaintError;
 ///
 /// # Errors
 /// [`PaintError`] if more cells would be filled than are allowed.
-pub fn paint(builder: &mut Builder, solids: &[Solid]) -> Result<(), PaintError> {
-    let cyclic = builder.is_cyclic();
-    let blocks = builder.edge().clamp(1, 8);
-    let side = builder.edge() / blocks;
-    // A batch of blocks at a time, so that what waits to be added stays small.
-    let mut jobs = Vec::new();
-    for solid in solids {
-        for shift in shifts(solid, cyclic) {
-            for block in touched(solid, shift, blocks) {
-                jobs.push((solid, shift, block));
+pub fn paint(builder: &mut Builder, solids: impl IntoIterator<Item = Solid>) -> Result<(), PaintError> {
+    let mut solids = solids.into_iter().peekable();
+    // A batch at a time, so that what waits to be added stays small.
+    while solids.peek().is_some() {
+        let batch: Vec<Solid> = solids.by_ref().take(BATCH).collect();
+        let filled: u64 = batch.iter().map(|solid| least_cells(solid, builder)).sum();
+        if filled + builder.len() as u64 > MAX_CELLS as u64 {
+            return Err(PaintError);
+        }
+        for jobs in jobs(&batch, builder).chunks(BATCH) {
+            let edge = builder.edge();
+            let painted: Vec<_> = jobs.par_iter().map(|job| job.cells(edge)).collect();
+            builder.extend(painted.into_par_iter().flatten());
+            if builder.len() > MAX_CELLS {
+                return Err(PaintError);
             }
         }
     }
-    for batch in jobs.chunks(256) {
-        let painted: Vec<Vec<_>> = batch
-            .par_iter()
-            .map(|(solid, shift, block)| {
-                let mut brush = Brush { solid, shift: *shift, edge: builder.edge(), cells: Vec::new() };
-                let all: Vec<&Piece> = solid.pieces.iter().collect();
-                brush.descend(block.map(|b| b * side), side, &all);
-                brush.cells
-            })
-            .collect();
-        builder.extend(painted.into_par_iter().flatten());
-        if builder.len() > MAX_CELLS {
-            return Err(PaintError);
+    Ok(())
+}
+
+/// Solids, and blocks of cells, that are painted at once.
+const BATCH: usize = 256;
+/// Blocks along an edge.
+const BLOCKS: u32 = 8;
+
+/// A solid in a block.
+struct Job<'a> {
+    solid: &'a Solid,
+    shift: DVec3,
+    corner: [u32; 3],
+    side: u32,
+}
+
+impl Job<'_> {
+    fn cells(&self, edge: u32) -> Vec<([u32; 3], Texel)> {
+        let mut brush = Brush { solid: self.solid, shift: self.shift, edge, cells: Vec::new() };
+        let all: Vec<&Piece> = self.solid.pieces.iter().collect();
+        brush.descend(self.corner, self.side, &all);
+        brush.cells
+    }
+}
+
+/// Every block that a solid may touch.
+fn jobs<'a>(solids: &'a [Solid], builder: &Builder) -> Vec<Job<'a>> {
+    let blocks = builder.edge().min(BLOCKS);
+    let side = builder.edge() / blocks;
+    let mut jobs = Vec::new();
+    for solid in solids {
+        for shift in shifts(solid, builder.is_cyclic()) {
+            for block in touched(solid, shift, blocks) {
+                jobs.push(Job { solid, shift, corner: block.map(|b| b * side), side });
+            }
         }
     }
-    Ok(())
+    jobs
+}
+
+/// A number of cells that a solid certainly fills: those of the blocks that lie inside one of its bodies.
+fn least_cells(solid: &Solid, builder: &Builder) -> u64 {
+    let parts = builder.edge().min(BLOCKS);
+    let half = 0.5 / f64::from(parts);
+    let is_full = |shift: DVec3, block: [u32; 3]| {
+        let centre = DVec3::from_array(block.map(f64::from)) / f64::from(parts) + half - shift;
+        solid.pieces.iter().any(|piece| piece.nearest(centre).distance <= -half * 3f64.sqrt())
+    };
+    let count = |shift: DVec3| {
+        touched(solid, shift, parts).into_iter().filter(|block| is_full(shift, *block)).count()
+    };
+    let blocks: usize = shifts(solid, builder.is_cyclic()).into_iter().map(count).sum();
+    blocks as u64 * u64::from(builder.edge() / parts).pow(3)
 }
 
 /// The copies of a solid that reach into the volume.

@@ -7,7 +7,7 @@ use crate::chance::{hash, normal, unit};
 use glam::DVec3;
 
 /// The greatest number of shapes of one scatter.
-pub const MAX_SHAPES: u32 = 1_000_000;
+pub const MAX_SHAPES: u32 = 100_000;
 
 /// Copies of a shape, spread over a box or a rectangle.
 ///
@@ -40,13 +40,13 @@ pub struct Scatter {
 
 impl Scatter {
     /// All copies, in a fixed order.
-    pub fn solids(&self) -> Vec<Solid> {
-        let places = self.places();
-        (0..u64::from(self.count.min(MAX_SHAPES))).zip(places).map(|(copy, at)| self.copy(copy, at)).collect()
+    pub fn solids(&self) -> impl Iterator<Item = Solid> {
+        let copies = 0..u64::from(self.count.min(MAX_SHAPES));
+        copies.zip(self.places()).map(|(copy, at)| self.copy(copy, at))
     }
 
     /// The parts of the region in an order by chance, each as the place of a copy.
-    fn places(&self) -> impl Iterator<Item = DVec3> {
+    fn places(&self) -> impl Iterator<Item = DVec3> + use<> {
         let [low, high] = self.region;
         let span = (high - low).to_array();
         let dimensions = span.iter().filter(|length| **length != 0.0).count().max(1) as i32;

@@ -1,6 +1,6 @@
 //! Painting: what shapes hide, which way they face, and where they stand.
 
-use fieldstone_texel::paint::{Flakes, Form, Frame, Material, Scatter, Shape, Solid, paint};
+use fieldstone_texel::paint::{Flakes, Form, Frame, Material, PaintError, Scatter, Shape, Solid, paint};
 use fieldstone_texel::{Builder, Mode, Texel, Volume};
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
@@ -13,14 +13,14 @@ fn shape(form: Form, frame: Frame) -> Shape {
     Shape { form, frame, material: Material { roughness: 0.0, ..Material::default() } }
 }
 
-fn painted(edge: u32, cyclic: [bool; 3], solids: &[Solid]) -> Volume {
+fn painted(edge: u32, cyclic: [bool; 3], solids: impl IntoIterator<Item = Solid>) -> Volume {
     let mut builder = Builder::new(edge).expect("a power of two").cyclic(cyclic);
     paint(&mut builder, solids).expect("few cells");
     builder.build(Mode::Sggx).expect("few cells")
 }
 
 fn one(edge: u32, shape: &Shape) -> Volume {
-    painted(edge, [false; 3], &[shape.solid(1)])
+    painted(edge, [false; 3], [shape.solid(1)])
 }
 
 fn whole(volume: &Volume) -> Texel {
@@ -67,7 +67,7 @@ fn a_body_within_a_cell_hides_its_area() {
         .map(|seed| {
             let frame = at(0.3 + 0.002 * f64::from(seed), 0.6 - 0.001 * f64::from(seed), 0.5);
             let ball = shape(Form::Ellipsoid { radii: DVec3::splat(radius) }, frame);
-            let volume = painted(1, [false; 3], &[ball.solid(u64::from(seed as u32))]);
+            let volume = painted(1, [false; 3], [ball.solid(u64::from(seed as u32))]);
             volume.texel(0, [0; 3]).map_or(0.0, |texel| 1.0 - f64::from(-texel.depth[1]).exp())
         })
         .sum();
@@ -82,7 +82,7 @@ fn thin_hairs_cover_their_widths() {
     (hairs.comb, hairs.lean, hairs.size, hairs.count) = (DVec3::ZERO, 0.0, [1.0; 2], 49);
     hairs.curl = 0.0;
     for edge in [16, 32] {
-        let found = shadows(&painted(edge, [false; 3], &hairs.solids()));
+        let found = shadows(&painted(edge, [false; 3], hairs.solids()));
         assert!((found[0] / (49.0 * 0.002 * 0.8) - 1.0).abs() < 0.12, "{edge}: {found:?}");
     }
 }
@@ -120,12 +120,12 @@ fn clouds_have_the_depth_of_their_density() {
 #[test]
 fn what_leaves_a_cyclic_volume_comes_in_again() {
     let ball = shape(Form::Ellipsoid { radii: DVec3::splat(0.2) }, at(0.0, 0.5, 0.5)).solid(1);
-    let volume = painted(32, [true, false, false], std::slice::from_ref(&ball));
+    let volume = painted(32, [true, false, false], [ball.clone()]);
     assert!(volume.texel(0, [0, 16, 16]).is_some() && volume.texel(0, [31, 16, 16]).is_some());
     let middle = shape(Form::Ellipsoid { radii: DVec3::splat(0.2) }, at(0.5, 0.5, 0.5)).solid(1);
-    let expected = shadows(&painted(32, [false; 3], &[middle]))[2];
+    let expected = shadows(&painted(32, [false; 3], [middle]))[2];
     assert!((shadows(&volume)[2] - expected).abs() < 0.002);
-    let open = painted(32, [false; 3], &[ball]);
+    let open = painted(32, [false; 3], [ball]);
     assert!((shadows(&open)[2] - 0.5 * expected).abs() < 0.002);
 }
 
@@ -189,7 +189,7 @@ fn a_painted_lawn_faces_away_from_its_mean_direction() {
     let mut lawn = lawn(3);
     lawn.shape.form = Form::Hair { height: 0.6, radius: 0.01, tip: 0.01, curl: 0.0 };
     lawn.lean = 0.0;
-    let flakes = whole(&painted(32, [true, true, false], &lawn.solids())).flakes;
+    let flakes = whole(&painted(32, [true, true, false], lawn.solids())).flakes;
     let mean = (DVec3::Z + lawn.comb).normalize();
     let across = flakes.projected_area(mean.any_orthonormal_vector());
     assert!(flakes.projected_area(mean) < 0.2 * across, "{flakes:?}");
@@ -199,7 +199,7 @@ fn a_painted_lawn_faces_away_from_its_mean_direction() {
 fn chance_comes_from_seeds_alone() {
     let make = |seed: u64, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| painted(32, [true, true, false], &lawn(seed).solids()))
+        pool.install(|| painted(32, [true, true, false], lawn(seed).solids()))
     };
     let first = make(3, 1);
     assert!(first == make(3, 4));
@@ -212,10 +212,19 @@ fn scattered_shapes_stand_each_in_a_part_of_its_own() {
     (lawn.jitter, lawn.count) = (0.0, 16);
     lawn.shape.form = Form::Ellipsoid { radii: DVec3::splat(0.01) };
     lawn.region = [DVec3::new(0.0, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5)];
-    let volume = painted(16, [false; 3], &lawn.solids());
+    let volume = painted(16, [false; 3], lawn.solids());
     let mut filled = std::collections::BTreeSet::new();
     volume.for_each(2, |cell, _| {
         filled.insert([cell[0], cell[1]]);
     });
     assert_eq!(filled.len(), 16);
+}
+
+/// Said before it is painted, not after minutes.
+#[test]
+fn too_many_cells_are_refused() {
+    let mut builder = Builder::new(1024).expect("a power of two");
+    let all = shape(Form::Box { size: DVec3::splat(4.0) }, at(0.5, 0.5, 0.5)).solid(0);
+    assert_eq!(paint(&mut builder, [all]), Err(PaintError));
+    assert!(builder.is_empty());
 }
