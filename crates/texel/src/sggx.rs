@@ -37,13 +37,13 @@ impl Sggx {
     /// The flakes of a surface with the unit `normal`: S = n nᵀ + α² (1 − n nᵀ), normalised. `roughness` is α, from 0
     /// (all flakes lie in the surface) to 1 (isotropic).
     pub fn surface(normal: DVec3, roughness: f64) -> Self {
-        Self::around(normal, 1.0, roughness * roughness)
+        Self::from_matrix(Self::surface_form(normal, roughness)).normalised()
     }
 
     /// The flakes of fibres along the unit `tangent`: S = (1 − t tᵀ) + α² t tᵀ, normalised. `roughness` is α, from 0
     /// (normals stand on the fibre) to 1 (isotropic).
     pub fn fibre(tangent: DVec3, roughness: f64) -> Self {
-        Self::around(tangent, roughness * roughness, 1.0)
+        Self::from_matrix(Self::fibre_form(tangent, roughness)).normalised()
     }
 
     /// The normals of an ellipsoid: `axes` are its three half axes, as columns at right angles to each other. S is
@@ -55,10 +55,14 @@ impl Sggx {
         Self::from_matrix(outer(areas[0]) + outer(areas[1]) + outer(areas[2])).normalised()
     }
 
-    fn around(axis: DVec3, along: f64, across: f64) -> Self {
-        let outer = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
-        let matrix = outer * (along - across) + DMat3::from_diagonal(DVec3::splat(across));
-        Self::from_matrix(matrix).normalised()
+    /// S of a surface before it is normalised: its mean projected area depends on the roughness alone.
+    pub(crate) fn surface_form(normal: DVec3, roughness: f64) -> DMat3 {
+        around(normal, 1.0, roughness * roughness)
+    }
+
+    /// S of fibres before it is normalised: its mean projected area depends on the roughness alone.
+    pub(crate) fn fibre_form(tangent: DVec3, roughness: f64) -> DMat3 {
+        around(tangent, roughness * roughness, 1.0)
     }
 
     /// The symmetric part of a matrix.
@@ -129,6 +133,12 @@ impl Sggx {
         let smallest = mean + 2.0 * p * (angle + std::f64::consts::TAU / 3.0).cos();
         [smallest, 3.0 * mean - largest - smallest, largest]
     }
+}
+
+/// The matrix with one eigenvalue along an axis and another across it.
+fn around(axis: DVec3, along: f64, across: f64) -> DMat3 {
+    let outer = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+    outer * (along - across) + DMat3::from_diagonal(DVec3::splat(across))
 }
 
 /// Carlson's R_G: the mean over the sphere of √(x l² + y m² + z n²), for x, y, z ≥ 0 in rising order.

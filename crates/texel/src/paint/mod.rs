@@ -17,9 +17,9 @@ pub use piece::Frame;
 pub use scatter::{MAX_SHAPES, Scatter};
 pub use shape::Form;
 
-use crate::chance::{normal, unit};
+use crate::chance::{hash, normal};
 use crate::texel::MAX_DEPTH;
-use crate::{Builder, Sggx, Texel};
+use crate::{Builder, Sggx, Texel, morton};
 use glam::{DMat3, DVec3};
 use piece::{Meets, Piece, Stretch, meets};
 use rayon::prelude::*;
@@ -300,7 +300,7 @@ impl Brush<'_> {
     /// Flakes as on the nearest surface.
     fn inner_flakes(&self, cell: [u32; 3], centre: DVec3, pieces: &[(Piece, f64)]) -> Sggx {
         let (normal, axis) = self.nearest(centre, pieces.iter().map(|(piece, _)| piece));
-        self.flakes(cell, centre, normal, axis)
+        Sggx::from_matrix(self.flakes(cell, centre, normal, axis)).normalised()
     }
 
     /// A cell of these depths, which may be infinite.
@@ -320,7 +320,7 @@ impl Brush<'_> {
             Meets::Inside => {}
             Meets::Surface(normal) => {
                 let weight = share / normal.abs().element_sum();
-                *sum += self.flakes(cell, ray.start, normal, piece.axis()).matrix() * weight;
+                *sum += self.flakes(cell, ray.start, normal, piece.axis()) * weight;
             }
         }
         *share
@@ -328,12 +328,11 @@ impl Brush<'_> {
 
     /// Where a ray enters a cell, 0 to 1 along each axis.
     fn ray_start(&self, cell: [u32; 3], axis: usize, ray: u32) -> DVec3 {
-        let words = [cell[0], cell[1], cell[2], axis as u32, ray].map(u64::from);
-        let place = |index: u32, k: u64| {
-            let [x, y, z, axis, ray] = words;
-            (f64::from(index) + unit(self.solid.seed, &[6, x, y, z, axis, ray, k])) / f64::from(RAYS)
+        let chance = hash(self.solid.seed, &[6 + axis as u64, morton::encode(cell), u64::from(ray)]);
+        let place = |index: u32, bits: u64| {
+            (f64::from(index) + (bits & 0xffff_ffff) as f64 / 2f64.powi(32)) / f64::from(RAYS)
         };
-        let (u, v) = (place(ray % RAYS, 0), place(ray / RAYS, 1));
+        let (u, v) = (place(ray % RAYS, chance), place(ray / RAYS, chance >> 32));
         match axis {
             0 => DVec3::new(0.0, u, v),
             1 => DVec3::new(u, 0.0, v),
@@ -356,7 +355,7 @@ impl Brush<'_> {
         }
         let share = inside as f64 / f64::from(RAYS.pow(3));
         let (normal, axis) = self.nearest(centre, pieces.iter().copied());
-        let flakes = self.flakes(cell, centre, normal, axis);
+        let flakes = Sggx::from_matrix(self.flakes(cell, centre, normal, axis));
         let density = self.solid.material.density.unwrap_or(0.0) * share;
         Some(self.coloured(Texel::even(density as f32, flakes, width)))
     }
@@ -372,8 +371,8 @@ impl Brush<'_> {
         nearest.map_or((DVec3::Z, DVec3::Z), |(nearest, axis)| (nearest.normal, axis))
     }
 
-    /// The flakes at a place with this normal, on a body with this axis. All have the same mean projected area.
-    fn flakes(&self, cell: [u32; 3], p: DVec3, normal: DVec3, axis: DVec3) -> Sggx {
+    /// S at a place with this normal, on a body with this axis; the mean projected area is the same at all places.
+    fn flakes(&self, cell: [u32; 3], p: DVec3, normal: DVec3, axis: DVec3) -> DMat3 {
         let Material { roughness, variation, flakes, .. } = self.solid.material;
         let strayed = |direction: DVec3| {
             if variation == 0.0 {
@@ -387,11 +386,11 @@ impl Brush<'_> {
         let from_axis = p - self.solid.frame.origin;
         let out = (from_axis - from_axis.dot(up) * up).normalize_or(normal);
         match flakes {
-            Flakes::Surface => Sggx::surface(strayed(normal), roughness),
-            Flakes::Along => Sggx::fibre(strayed(axis), roughness),
-            Flakes::Fibre(direction) => Sggx::fibre(strayed(direction), roughness),
-            Flakes::Radial => Sggx::fibre(strayed(out), roughness),
-            Flakes::Ellipsoid(radii) => Sggx::ellipsoid(DMat3::from_diagonal(radii)),
+            Flakes::Surface => Sggx::surface_form(strayed(normal), roughness),
+            Flakes::Along => Sggx::fibre_form(strayed(axis), roughness),
+            Flakes::Fibre(direction) => Sggx::fibre_form(strayed(direction), roughness),
+            Flakes::Radial => Sggx::fibre_form(strayed(out), roughness),
+            Flakes::Ellipsoid(radii) => Sggx::ellipsoid(DMat3::from_diagonal(radii)).matrix(),
             Flakes::Concentric(radius) => {
                 let distance = from_axis.reject_from_normalized(up).length();
                 let share = match radius {
@@ -400,7 +399,7 @@ impl Brush<'_> {
                     _ => 0.0,
                 };
                 let smooth = roughness + (1.0 - roughness) * share.clamp(0.0, 1.0);
-                Sggx::fibre(strayed(up.cross(out)), smooth)
+                Sggx::fibre(strayed(up.cross(out)), smooth).matrix()
             }
         }
     }
@@ -413,5 +412,5 @@ struct Hits {
 }
 
 fn normal_by_chance(seed: u64, [x, y, z, part]: [u64; 4]) -> f64 {
-    normal(seed, &[7, x, y, z, part])
+    normal(seed, &[9, x, y, z, part])
 }
