@@ -66,7 +66,7 @@ pub(crate) struct SliceArguments {
     /// The axis across the plane.
     #[arg(long, value_enum, default_value_t = AxisName::Y)]
     axis: AxisName,
-    /// Where the plane crosses it, from 0 to 1 [default: all planes, seen from the far end of the axis].
+    /// Where the plane crosses it, from 0 to 1 [default: all planes, one behind the other].
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = parse_number)]
     at: Option<f64>,
     /// The level: 0 is the finest.

@@ -28,7 +28,8 @@ pub struct Cut {
     pub level: u32,
     /// The axis across the plane: 0 for x, 1 for y, 2 for z.
     pub axis: usize,
-    /// Where it crosses the axis, from 0 to 1; all planes together, seen from the far end of the axis, if nowhere.
+    /// Where it crosses the axis, from 0 to 1; if nowhere, all planes together, seen
+    /// from 1 on the axes x and z, and from 0 on y, so that nothing is mirrored.
     pub at: Option<f64>,
     /// What is shown.
     pub content: CutContent,
@@ -70,6 +71,7 @@ impl Cut {
                 // From the back to the front.
                 let ground = self.ground((column / 16 + row / 16) % 2 == 0);
                 let colour = planes.clone().fold(ground, |behind, plane| {
+                    let plane = if self.axis == 1 && self.at.is_none() { cells - 1 - plane } else { plane };
                     let cell = [[plane, u, v], [u, plane, v], [u, v, plane]][self.axis];
                     self.over(behind, volume.texel(self.level, cell).as_ref())
                 });
