@@ -48,7 +48,7 @@ ranged! {
     /// Phong's exponent.
     Exponent(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an exponent above 0, at most 1000000";
     /// How many copies.
-    Count(f64 as u32) if |x| x >= 1.0 && x <= 1e5 && x.fract() == 0.0, "a whole number from 1 to 100000";
+    Count(f64 as u32) if |x| (1.0..=1e5).contains(&x) && x.fract() == 0.0, "a whole number from 1 to 100000";
     /// What chance starts from.
     Seed(f64 as u64) if |x| (0.0..=9e15).contains(&x) && x.fract() == 0.0, "a whole number from 0 on";
     /// Cells along an edge.
