@@ -15,6 +15,7 @@ mod filter;
 mod morton;
 mod pack;
 mod sggx;
+pub mod sources;
 mod texel;
 mod volume;
 
