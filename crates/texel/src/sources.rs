@@ -16,11 +16,19 @@
 
 mod cell;
 mod field;
+mod files;
 mod mask;
+mod particles;
+mod rods;
 mod slice;
+mod strands;
 
 pub use field::{BakeOptions, Inside, Painter, bake};
+pub use files::MAX_FILE_BYTES;
+pub use particles::{Particle, ParticleOptions, add_particles, read_particles};
+pub use strands::{Strand, StrandOptions, add_strands, read_strands};
 
+use crate::Builder;
 use glam::DVec3;
 use serde::Deserialize;
 use std::io;
@@ -146,4 +154,26 @@ impl Place {
     pub fn scale(&self) -> f64 {
         self.scale
     }
+}
+
+/// The place of a source whose box is given, or found.
+fn placed(
+    builder: &Builder,
+    bounds: Option<[[f64; 3]; 2]>,
+    hull: impl FnOnce() -> [[f64; 3]; 2],
+) -> Result<Place, SourceError> {
+    let [low, high] = bounds.unwrap_or_else(hull);
+    Place::fit(low, high, f64::from(builder.edge()).recip().min(0.25))
+}
+
+/// The box around balls; empty if there is none.
+fn hull(balls: impl Iterator<Item = ([f64; 3], f64)>) -> [[f64; 3]; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for (centre, radius) in balls {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(centre[axis] - radius);
+            high[axis] = high[axis].max(centre[axis] + radius);
+        }
+    }
+    [low, high]
 }

@@ -17,6 +17,11 @@ impl Finish {
         Self::of(&Sggx::surface(DVec3::Z, roughness))
     }
 
+    /// Fibres of a roughness, 0 to 1.
+    pub(super) fn fibre(roughness: f64) -> Self {
+        Self::of(&Sggx::fibre(DVec3::Z, roughness))
+    }
+
     fn of(flakes: &Sggx) -> Self {
         Self { along: f64::from(flakes.zz), across: f64::from(flakes.xx) }
     }
@@ -34,6 +39,9 @@ impl Finish {
         ]
     }
 }
+
+/// S of flakes that face all ways alike.
+pub(super) const ISOTROPIC: [f64; 6] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
 /// Sums over what is in a cell.
 #[derive(Clone, Copy, Debug, Default)]
