@@ -18,6 +18,7 @@ mod cell;
 mod field;
 mod files;
 mod mask;
+mod mesh;
 mod particles;
 mod rods;
 mod slice;
@@ -25,6 +26,7 @@ mod strands;
 
 pub use field::{BakeOptions, Inside, Painter, bake};
 pub use files::MAX_FILE_BYTES;
+pub use mesh::{Mesh, MeshOptions, add_mesh, read_mesh};
 pub use particles::{Particle, ParticleOptions, add_particles, read_particles};
 pub use strands::{Strand, StrandOptions, add_strands, read_strands};
 
