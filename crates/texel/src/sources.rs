@@ -17,17 +17,24 @@
 mod cell;
 mod field;
 mod files;
+mod hypertexture;
 mod mask;
+mod medium;
 mod mesh;
+mod noise;
 mod particles;
 mod rods;
+mod scan;
 mod slice;
 mod strands;
 
 pub use field::{BakeOptions, Inside, Painter, bake};
 pub use files::MAX_FILE_BYTES;
+pub use hypertexture::{HypertextureOptions, add_hypertexture};
 pub use mesh::{Mesh, MeshOptions, add_mesh, read_mesh};
+pub use noise::{Noise, gradient_noise};
 pub use particles::{Particle, ParticleOptions, add_particles, read_particles};
+pub use scan::{Knot, MAX_NUMBERS, Scan, ScanError, ScanOptions, add_scan, read_nifti};
 pub use strands::{Strand, StrandOptions, add_strands, read_strands};
 
 use crate::Builder;
