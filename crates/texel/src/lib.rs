@@ -7,20 +7,27 @@
 //!
 //! - [`Texel`] is what fills a cell; [`Sggx`] its flakes.
 //! - [`Builder`] takes the cells of the finest level and filters them upward into a [`Volume`].
+//! - [`paint`] and [`sources`] make cells of shapes, fields, meshes, strands, scans, noise and particles.
 //!
 //! Lengths are in units of the volume's edge: the volume is the unit cube, a cell of level l is 2ˡ / edge wide.
 
 mod build;
+mod chance;
+mod file;
 mod filter;
 mod morton;
 mod pack;
+pub mod paint;
 mod sggx;
 pub mod sources;
+mod stats;
 mod texel;
 mod volume;
 
 pub use build::{BuildError, Builder};
+pub use file::FileError;
 pub use filter::Mode;
 pub use sggx::Sggx;
+pub use stats::{Fidelity, Size};
 pub use texel::{MAX_DEPTH, Phong, Texel};
 pub use volume::{Found, MAX_EDGE, Volume};

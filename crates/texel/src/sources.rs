@@ -186,3 +186,47 @@ fn hull(balls: impl Iterator<Item = ([f64; 3], f64)>) -> [[f64; 3]; 2] {
     }
     [low, high]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_from_toml() {
+        let bake: BakeOptions = toml::from_str("roughness = 0.3\ninside = \"full\"").unwrap();
+        assert_eq!(bake, BakeOptions { roughness: 0.3, inside: Inside::Full, open: false });
+        let mesh: MeshOptions = toml::from_str("closed = true\npaint = { albedo = [1, 0, 0] }").unwrap();
+        assert_eq!((mesh.closed, mesh.paint.albedo), (true, [1.0, 0.0, 0.0]));
+        let strands: StrandOptions = toml::from_str("bounds = [[0, 0, 0], [1, 1, 1]]").unwrap();
+        assert_eq!(strands.bounds, Some([[0.0; 3], [1.0; 3]]));
+        let scan: ScanOptions = toml::from_str("transfer = [{ value = 1, density = 2 }]").unwrap();
+        assert_eq!(scan.transfer.len(), 1);
+        let smoke: HypertextureOptions = toml::from_str("noise = { octaves = 2, seed = 7 }").unwrap();
+        assert_eq!((smoke.noise.octaves, smoke.noise.seed), (2, 7));
+        let balls: ParticleOptions = toml::from_str("radius = 2").unwrap();
+        assert_eq!(balls.radius, 2.0);
+    }
+
+    #[test]
+    fn keys_that_are_not_known_are_refused() {
+        for text in ["rough = 1", "paint = { colour = 1 }", "noise = { size = 1 }"] {
+            assert!(toml::from_str::<HypertextureOptions>(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn boxes_fit_with_their_longest_side() {
+        let place = Place::fit([-1.0, 0.0, 0.0], [3.0, 1.0, 2.0], 0.1).unwrap();
+        let (low, high) = (
+            place.cube_from_model(DVec3::new(-1.0, 0.0, 0.0)),
+            place.cube_from_model(DVec3::new(3.0, 1.0, 2.0)),
+        );
+        assert!(
+            (low - DVec3::new(0.1, 0.4, 0.3)).length() < 1e-12
+                && (high - DVec3::new(0.9, 0.6, 0.7)).length() < 1e-12
+        );
+        assert!((place.model_from_cube(high) - DVec3::new(3.0, 1.0, 2.0)).length() < 1e-12);
+        assert!(Place::fit([0.0; 3], [0.0; 3], 0.0).is_err());
+        assert!(Place::fit([0.0; 3], [1.0; 3], 0.5).is_err());
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::pack::Packed;
 use crate::texel::MAX_DEPTH;
-use crate::{Mode, Phong, Texel};
+use crate::{BuildError, Builder, Mode, Phong, Texel, morton};
 
 /// The greatest edge of a volume, in cells.
 pub const MAX_EDGE: u32 = 4096;
@@ -29,6 +29,19 @@ pub(crate) struct Level {
     pub(crate) parts: Vec<u8>,
     /// The place of a cell's first part in the level below.
     pub(crate) first: Vec<u32>,
+}
+
+impl Level {
+    /// Finds the places of first parts.
+    pub(crate) fn index(&mut self) {
+        let mut sum = 0u32;
+        let places = self.parts.iter().map(|parts| {
+            let first = sum;
+            sum = sum.wrapping_add(parts.count_ones());
+            first
+        });
+        self.first = places.collect();
+    }
 }
 
 /// What [`Volume::find`] came upon.
@@ -109,6 +122,53 @@ impl Volume {
         Found { level: at, texel: Some(self.unpacked(at, index, level)) }
     }
 
+    /// The same finest level, filtered by another rule.
+    ///
+    /// # Errors
+    /// [`BuildError`] as of [`Builder::build`].
+    pub fn filtered(&self, mode: Mode) -> Result<Self, BuildError> {
+        let mut builder = Builder::new(self.edge())?.cyclic(self.cyclic).phong(self.phong);
+        self.walk(0, |cell, at, index| builder.insert_packed(cell, self.levels[at as usize].texels[index]));
+        builder.build(mode)
+    }
+
+    /// Calls `visit` with every filled cell of a level, in Morton order, and what fills it.
+    pub fn for_each(&self, level: u32, mut visit: impl FnMut([u32; 3], &Texel)) {
+        // Cells inside an evenly filled one come one after the other.
+        let mut last = None;
+        self.walk(level, |cell, at, index| {
+            let texel = match last {
+                Some((key, texel)) if key == (at, index) => texel,
+                _ => self.unpacked(at, index, level),
+            };
+            last = Some(((at, index), texel));
+            visit(cell, &texel);
+        });
+    }
+
+    /// Calls `visit` with every filled cell of a level, and the level and index of the stored cell that says what fills it.
+    fn walk(&self, level: u32, mut visit: impl FnMut([u32; 3], u32, usize)) {
+        let top = self.levels() - 1;
+        if level > top || self.levels[top as usize].texels.is_empty() {
+            return;
+        }
+        // Cells wait in falling order: (level, place in it, cell).
+        let mut waiting = vec![(top, 0usize, [0u32; 3])];
+        while let Some((at, index, cell)) = waiting.pop() {
+            let here = &self.levels[at as usize];
+            let parts = here.parts.get(index).copied().unwrap_or(0);
+            if at == level || parts == 0 {
+                within(cell, at - level, |cell| visit(cell, at, index));
+                continue;
+            }
+            let mut place = here.first[index] as usize + parts.count_ones() as usize;
+            for octant in (0..8).rev().filter(|octant| parts >> octant & 1 != 0) {
+                place -= 1;
+                waiting.push((at - 1, place, child(cell, octant)));
+            }
+        }
+    }
+
     /// A stored cell, seen at a level at or below its own.
     fn unpacked(&self, at: u32, index: usize, level: u32) -> Texel {
         let stored = &self.levels[at as usize];
@@ -118,5 +178,18 @@ impl Volume {
             texel.depth = texel.depth.map(|depth| (depth * widths).min(MAX_DEPTH));
         }
         texel
+    }
+}
+
+/// The part of a cell in an octant.
+fn child(cell: [u32; 3], octant: u32) -> [u32; 3] {
+    std::array::from_fn(|axis| cell[axis] << 1 | octant >> axis & 1)
+}
+
+/// All cells `down` levels below `cell`, in Morton order.
+fn within(cell: [u32; 3], down: u32, mut visit: impl FnMut([u32; 3])) {
+    for key in 0..1u64 << (3 * down) {
+        let inner = morton::decode(key);
+        visit(std::array::from_fn(|axis| cell[axis] << down | inner[axis]));
     }
 }
