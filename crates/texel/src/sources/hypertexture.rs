@@ -113,9 +113,9 @@ pub fn add_hypertexture(
     options.check()?;
     let place = placed(builder, Some([low, high]), || [low, high])?;
     let cells = place.scale() * f64::from(builder.edge());
-    let samples = (2.0 * options.noise.highest() / cells).ceil().clamp(2.0, 4.0);
-    let look = Look::new(samples as usize, options.surface, options.roughness)?;
-    let noise = options.noise.limited(samples * cells);
+    let look = Look::new(2, options.surface, options.roughness)?;
+    // Two samples to a cell cannot hold more than one wave, or two lattice points.
+    let noise = options.noise.limited(2.0 * cells);
     let tape = field.map(|(field, bindings)| {
         Tape::new(field, &TapeOptions { bindings: bindings.clone(), ..TapeOptions::default() })
     });

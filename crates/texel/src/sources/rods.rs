@@ -14,6 +14,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// Half of a unit cell's diagonal, and a little more.
+const HALF_DIAGONAL: f64 = 0.87;
+
 /// A rod with round ends, in coordinates of the volume; a ball if both ends are the same.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rod {
@@ -162,7 +165,7 @@ impl Grid {
             if is_thin {
                 rod.is_ball() || rod.clipped(low, width).is_some()
             } else {
-                rod.distance(low + 0.5 * width).0 < 0.87 * width
+                rod.distance(low + 0.5 * width).0 < HALF_DIAGONAL * width
             }
         })
     }
@@ -174,7 +177,7 @@ impl Grid {
         for rod in thin {
             self.add_thin(&mut gathered, rod, low, &finishes.fibre);
         }
-        if let Some((rod, _)) = self.add_thick(&mut gathered, &thick, low, &finishes.surface) {
+        if let Some(rod) = self.add_thick(&mut gathered, &thick, low, &finishes.surface) {
             return Some(opaque(&rod.paint));
         }
         let is_seen = gathered.amount > 0.0 || gathered.depth.iter().any(|depth| *depth > 0.0);
@@ -205,11 +208,15 @@ impl Grid {
         rods: &[&'r Rod],
         low: DVec3,
         surface: &Finish,
-    ) -> Option<(&'r Rod, f64)> {
+    ) -> Option<&'r Rod> {
         let nearest = |p: DVec3| {
             let distances = rods.iter().map(|rod| (*rod, rod.distance(p)));
             distances.min_by(|a, b| a.1.0.total_cmp(&b.1.0))
         };
+        let (rod, (value, _)) = nearest(low + 0.5 * self.width)?;
+        if value < -HALF_DIAGONAL * self.width {
+            return Some(rod);
+        }
         let part = self.width / PARTS as f64;
         let mut mask = Mask::default();
         let mut surfaces = 0.0;
@@ -227,8 +234,7 @@ impl Grid {
             }
         }
         if surfaces == 0.0 && mask.is_full() {
-            let centre = low + 0.5 * self.width;
-            return nearest(centre).map(|(rod, (value, _))| (rod, value));
+            return Some(rod);
         }
         gathered.cover(mask.cover());
         None
