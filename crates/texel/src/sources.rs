@@ -1,6 +1,6 @@
 //! Where volumes come from: fields, meshes, strands, scans, noise, particles.
 //!
-//! Each source is one function that adds cells to a [`Builder`](crate::Builder), with one structure of options. Several
+//! Each source is one function that adds cells to a [`Builder`], with one structure of options. Several
 //! may fill one volume; what they put in the same cell is added. The result depends neither on the number of threads nor on
 //! the machine.
 //!

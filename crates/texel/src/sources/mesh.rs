@@ -39,7 +39,8 @@ pub struct MeshOptions {
     /// How far the flakes spread around the triangles' normals, 0 to 1.
     pub roughness: f64,
     /// Whether the triangles close a body, which is seen from outside alone; otherwise they are sheets, seen from both sides,
-    /// and count twice as much.
+    /// and count twice as much. The inside of a body stays empty, so that a little light passes where its surface covers
+    /// cells in part.
     pub closed: bool,
     /// What triangles without a material are painted with.
     pub paint: Paint,
