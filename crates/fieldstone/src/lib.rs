@@ -83,7 +83,7 @@ mod texel;
 
 pub use convert::{ConvertError, convert};
 pub use data::{
-    DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw,
+    DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw, load_scan,
     load_voxels,
 };
 pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};

@@ -7,6 +7,7 @@
 //!
 //! - [`Texel`] is what fills a cell; [`Sggx`] its flakes.
 //! - [`Builder`] takes the cells of the finest level and filters them upward into a [`Volume`].
+//! - [`paint`] and [`sources`] make cells of shapes, fields, meshes, strands, scans, noise and particles.
 //!
 //! Lengths are in units of the volume's edge: the volume is the unit cube, a cell of level l is 2ˡ / edge wide.
 
@@ -18,6 +19,7 @@ mod morton;
 mod pack;
 pub mod paint;
 mod sggx;
+pub mod sources;
 mod stats;
 mod texel;
 mod volume;
