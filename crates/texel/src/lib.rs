@@ -12,14 +12,23 @@
 
 mod build;
 mod filter;
+mod flake;
+mod light;
 mod morton;
 mod pack;
+mod phase;
 mod sggx;
+mod symmetric;
 mod texel;
 mod volume;
+mod walk;
 
 pub use build::{BuildError, Builder};
 pub use filter::Mode;
+pub use flake::{Flakes, VisibleNormals, disc_point};
+pub use light::{Gathered, Lamp, lit_share};
+pub use phase::{Model, NORMALS, Reflector, fibre_phase};
 pub use sggx::Sggx;
 pub use texel::{MAX_DEPTH, Phong, Texel};
 pub use volume::{Found, MAX_EDGE, Volume};
+pub use walk::{Footprint, Layer, Ray, Segment, Segments};
