@@ -101,6 +101,9 @@ impl Builder {
     }
 
     /// The volume, with all levels.
+    ///
+    /// # Errors
+    /// [`BuildError::Cells`] if there are more cells than can be numbered.
     pub fn build(mut self, mode: Mode) -> Result<Volume, BuildError> {
         self.cells.par_sort_by_key(|(key, _)| *key);
         self.add_doubles();
@@ -108,17 +111,28 @@ impl Builder {
             return Err(BuildError::Cells { cells: self.cells.len() });
         }
         let top = self.edge.trailing_zeros();
-        let mut levels = vec![Level::default()];
-        let mut nodes = self.first_nodes(mode, &mut levels);
-        for level in 1..=top {
-            levels.push(Level::default());
-            if level == top {
-                emit(&nodes, &mut levels[top as usize]);
-            } else {
-                let width = f64::from(2u32 << level) / f64::from(self.edge);
-                nodes = next_nodes(nodes, mode, width, &mut levels[level as usize]);
+        let low = top.min(BLOCK_LEVELS);
+        let rise = Rise { mode, edge: self.edge };
+        let blocks: Vec<_> = self
+            .cells
+            .par_chunk_by(|a, b| a.0 >> (3 * low) == b.0 >> (3 * low))
+            .map(|cells| rise.block(cells, low))
+            .collect();
+        drop(self.cells);
+        let mut levels = vec![Level::default(); top as usize + 1];
+        let mut nodes = Vec::with_capacity(blocks.len());
+        for (block, node) in blocks {
+            nodes.push(node);
+            for (part, level) in block.into_iter().zip(&mut levels) {
+                level.texels.extend(part.texels);
+                level.parts.extend(part.parts);
             }
         }
+        for level in low..top {
+            nodes = rise.next(&nodes, level, &mut levels[level as usize]);
+        }
+        rise.emit(&nodes, top, &mut levels[top as usize]);
+        levels.iter_mut().for_each(Level::index);
         Ok(Volume { levels, cyclic: self.cyclic, mode, phong: self.phong })
     }
 
@@ -132,101 +146,74 @@ impl Builder {
             same
         });
     }
-
-    /// The nodes above the finest level, whose cells are written to `levels[0]` unless they are all the same.
-    fn first_nodes(&mut self, mode: Mode, levels: &mut [Level]) -> Vec<Node> {
-        let cells = std::mem::take(&mut self.cells);
-        let finest = &mut levels[0];
-        if self.edge == 1 {
-            finest.texels.extend(cells.iter().map(|(_, packed)| *packed));
-            return Vec::new();
-        }
-        let width = 2.0 / f64::from(self.edge);
-        let mut nodes: Vec<Node> = cells
-            .par_chunk_by(|a, b| a.0 >> 3 == b.0 >> 3)
-            .map(|parts| {
-                let even = parts.len() == 8 && parts.iter().all(|part| part.1 == parts[0].1);
-                let leaf = |packed: &Packed| Joined::leaf(packed.texel(), mode);
-                let joined = if even {
-                    leaf(&parts[0].1).doubled()
-                } else {
-                    let parts: Vec<_> =
-                        parts.iter().map(|(key, packed)| ((key & 7) as usize, leaf(packed))).collect();
-                    join(&parts, mode, width)
-                };
-                Node::new(parts.iter().map(|part| part.0), joined, even.then_some(parts[0].1))
-            })
-            .collect();
-        let mut rest = cells.as_slice();
-        for node in &mut nodes {
-            let (parts, after) = rest.split_at(node.parts.count_ones() as usize);
-            rest = after;
-            if node.even.is_none() {
-                node.first = finest.texels.len() as u32;
-                finest.texels.extend(parts.iter().map(|part| part.1));
-            } else {
-                node.parts = 0;
-            }
-        }
-        nodes
-    }
 }
 
-/// A cell above the finest level, on its way up.
-#[derive(Clone, Copy, Debug)]
+/// Levels that are made at once for a part of the volume, so that what is needed on the way up does not grow with the
+/// volume: 64³ cells.
+const BLOCK_LEVELS: u32 = 6;
+
+/// A cell on its way up.
+#[derive(Clone, Debug)]
 struct Node {
     key: u64,
     joined: Joined,
     /// The texel of the finest level that fills all of the cell.
     even: Option<Packed>,
     parts: u8,
-    first: u32,
 }
 
-impl Node {
-    fn new(parts: impl Iterator<Item = u64>, joined: Joined, even: Option<Packed>) -> Self {
-        let (key, parts) = parts.fold((0, 0u8), |(_, bits), key| (key >> 3, bits | 1 << (key & 7)));
-        Self { key, joined, even, parts, first: 0 }
+/// The way from the finest level up.
+#[derive(Clone, Copy)]
+struct Rise {
+    mode: Mode,
+    edge: u32,
+}
+
+impl Rise {
+    /// All levels below `top` of the cells of one block, and the node that joins them.
+    fn block(self, cells: &[(u64, Packed)], top: u32) -> (Vec<Level>, Node) {
+        let leaf = |&(key, packed): &(u64, Packed)| {
+            let joined = Joined::leaf(&packed.texel(), self.mode);
+            Node { key, joined, even: Some(packed), parts: 0 }
+        };
+        let mut nodes: Vec<Node> = cells.iter().map(leaf).collect();
+        let mut levels = vec![Level::default(); top as usize];
+        for level in 0..top {
+            nodes = self.next(&nodes, level, &mut levels[level as usize]);
+        }
+        (levels, nodes.swap_remove(0))
     }
-}
 
-/// Writes nodes to their level.
-fn emit(nodes: &[Node], level: &mut Level) {
-    level
-        .texels
-        .extend(nodes.iter().map(|node| node.even.unwrap_or_else(|| Packed::new(&node.joined.texel))));
-    level.parts.extend(nodes.iter().map(|node| node.parts));
-    level.first.extend(nodes.iter().map(|node| node.first));
-}
+    /// The nodes above those of a `level`, which are written unless they are the same in all of a node.
+    fn next(self, nodes: &[Node], level: u32, target: &mut Level) -> Vec<Node> {
+        let mut above = Vec::new();
+        for parts in nodes.chunk_by(|a, b| a.key >> 3 == b.key >> 3) {
+            let even =
+                parts[0].even.filter(|_| parts.len() == 8 && parts.iter().all(|p| p.even == parts[0].even));
+            let key = parts[0].key >> 3;
+            if even.is_some() {
+                above.push(Node { key, joined: parts[0].joined.doubled(), even, parts: 0 });
+                continue;
+            }
+            let cells: Vec<_> = parts.iter().map(|part| ((part.key & 7) as usize, &part.joined)).collect();
+            let joined = join(&cells, self.mode, 1 << level);
+            let stored = parts.iter().fold(0, |bits, part| bits | 1 << (part.key & 7));
+            above.push(Node { key, joined, even, parts: stored });
+            self.emit(parts, level, target);
+        }
+        above
+    }
 
-/// The nodes of the level above, of the given cell width; those below are written to their level.
-fn next_nodes(nodes: Vec<Node>, mode: Mode, width: f64, level: &mut Level) -> Vec<Node> {
-    let mut above: Vec<Node> = nodes
-        .par_chunk_by(|a, b| a.key >> 3 == b.key >> 3)
-        .map(|parts| {
-            let first = parts[0].even;
-            let even = first.filter(|_| parts.len() == 8 && parts.iter().all(|part| part.even == first));
-            let joined = if even.is_some() {
-                parts[0].joined.doubled()
-            } else {
-                let parts: Vec<_> = parts.iter().map(|part| ((part.key & 7) as usize, part.joined)).collect();
-                join(&parts, mode, width)
-            };
-            Node::new(parts.iter().map(|part| part.key), joined, even)
-        })
-        .collect();
-    let mut rest = nodes.as_slice();
-    for node in &mut above {
-        let (parts, after) = rest.split_at(node.parts.count_ones() as usize);
-        rest = after;
-        if node.even.is_none() {
-            node.first = level.texels.len() as u32;
-            emit(parts, level);
-        } else {
-            node.parts = 0;
+    /// Writes nodes to their level.
+    fn emit(self, nodes: &[Node], level: u32, target: &mut Level) {
+        let width = f64::from(1u32 << level) / f64::from(self.edge);
+        let packed =
+            |node: &Node| node.even.unwrap_or_else(|| Packed::new(&node.joined.texel(self.mode, width)));
+        target.texels.extend(nodes.iter().map(packed));
+        if level > 0 {
+            target.parts.extend(nodes.iter().map(|node| node.parts));
         }
     }
-    above
 }
 
 /// Both contents in one cell: amounts and depths are added, the rest is the mean by density.

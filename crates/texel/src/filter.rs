@@ -1,13 +1,16 @@
 //! Joining eight cells to the cell above.
 //!
 //! **`Sggx`.** S is the mean weighted by density: σ² is linear in S, so that the sum keeps zero areas zero, and is
-//! associative. It is normalised when it is stored, so that a node's mean projected area is exact. Depths come from transmittances: the
-//! product along an axis, the mean across it, so that a wall stays opaque and a speck stays a speck.
+//! associative. It is normalised only when it is stored, so that a cell's mean extinction is exact and S is the mean
+//! over all finest cells below. Depths come from transmittances: a cell knows the optical depth of every straight
+//! column of finest cells through it, and its depth along an axis is −ln of the mean transmittance of those columns. So
+//! a wall stays opaque, a speck stays a speck, and what stands in line is not counted twice.
 //!
 //! **`Neyret1995`.** The inverse quadratic form A = Q⁻¹ is the mean weighted by density, with every form normalised
-//! to a mean apparent area of 1 along its three axes; the density is the mean; depths follow from the two, so that opaque
-//! things thin out. Q⁻¹ of flat or thin shapes has no bound: eigenvalues of S below 10⁻⁴ of its trace are raised by that.
+//! to a mean apparent area of 1 along its three axes; the density is the mean; depths follow from the two, so that
+//! opaque things thin out. Q⁻¹ of flat or thin shapes has no bound: S is first raised by 10⁻⁴ of its trace.
 
+use crate::symmetric::adjugate;
 use crate::texel::MAX_DEPTH;
 use crate::{Sggx, Texel};
 use glam::{DMat3, DVec3};
@@ -22,83 +25,131 @@ pub enum Mode {
     Neyret1995,
 }
 
-/// A cell on its way up, before it is packed.
-#[derive(Clone, Copy, Debug)]
+/// A cell on its way up.
+#[derive(Clone, Debug)]
 pub(crate) struct Joined {
-    /// As the texel's, but with flakes that are not normalised where `shape` is S.
-    pub(crate) texel: Texel,
+    density: f32,
+    albedo: [f32; 3],
+    gloss: f32,
     /// S (not normalised) or Q⁻¹ (normalised), by the mode.
     shape: [f32; 6],
+    columns: Columns,
+}
+
+/// Optical depths of the columns of finest cells along x, y and z.
+#[derive(Clone, Debug)]
+enum Columns {
+    /// All columns along an axis are the same.
+    Even([f32; 3]),
+    /// s² columns along x, then y, then z. A column is found by its other two coordinates, the first of
+    /// (y, z), (x, z), (x, y) fastest.
+    Each(Box<[f32]>),
 }
 
 impl Joined {
-    pub(crate) fn leaf(texel: Texel, mode: Mode) -> Self {
+    pub(crate) fn leaf(texel: &Texel, mode: Mode) -> Self {
         let shape = match mode {
             Mode::Sggx => texel.flakes.entries(),
             Mode::Neyret1995 => Sggx::from_matrix(inverse_form(&texel.flakes)).entries(),
         };
-        Self { texel, shape }
+        let Texel { density, albedo, gloss, depth, .. } = *texel;
+        Self { density, albedo, gloss, shape, columns: Columns::Even(depth) }
     }
 
-    /// The same content in a cell twice as wide.
-    pub(crate) fn doubled(self) -> Self {
-        let depth = self.texel.depth.map(|depth| (2.0 * depth).min(MAX_DEPTH));
-        Self { texel: Texel { depth, ..self.texel }, ..self }
+    /// The same content in a cell twice as wide, for cells that are evenly filled.
+    pub(crate) fn doubled(&self) -> Self {
+        let columns = match &self.columns {
+            Columns::Even(depth) => Columns::Even(depth.map(|depth| 2.0 * depth)),
+            Columns::Each(depths) => Columns::Each(depths.clone()),
+        };
+        Self { columns, ..*self }
     }
-}
 
-/// Joins the filled ones of eight cells, each with its octant (bit 0: x, bit 1: y, bit 2: z). `width` is that of the
-/// new cell.
-pub(crate) fn join(cells: &[(usize, Joined)], mode: Mode, width: f64) -> Joined {
-    let total: f32 = cells.iter().map(|(_, cell)| cell.texel.density).sum();
-    // Cells without density but with depth (their density is below what can be stored) count alike.
-    let weight =
-        |cell: &Joined| if total > 0.0 { cell.texel.density / total } else { 1.0 / cells.len() as f32 };
-    let mut shape = [0.0; 6];
-    let (mut albedo, mut gloss) = ([0.0; 3], 0.0);
-    for (_, cell) in cells {
-        let weight = weight(cell);
-        for (sum, entry) in shape.iter_mut().zip(cell.shape) {
-            *sum += weight * entry;
-        }
-        for (sum, share) in albedo.iter_mut().zip(cell.texel.albedo) {
-            *sum += weight * share;
-        }
-        gloss += weight * cell.texel.gloss;
-    }
-    let density = total / 8.0;
-    match mode {
-        Mode::Sggx => {
-            let flakes = Sggx::from_entries(shape).normalised();
-            Joined { texel: Texel { density, depth: depths(cells), flakes, albedo, gloss }, shape }
-        }
-        Mode::Neyret1995 => {
-            let form = three_axis_normalised(Sggx::from_entries(shape).matrix());
-            let seen = adjugate(form);
-            let depth = [seen.x_axis.x, seen.y_axis.y, seen.z_axis.z]
-                .map(|area| ((f64::from(density) * area.max(0.0).sqrt() * width) as f32).min(MAX_DEPTH));
-            let flakes = Sggx::from_matrix(seen).normalised();
-            let shape = Sggx::from_matrix(form).entries();
-            Joined { texel: Texel { density, depth, flakes, albedo, gloss }, shape }
+    /// What is stored of a cell of the given `width`.
+    pub(crate) fn texel(&self, mode: Mode, width: f64) -> Texel {
+        let (flakes, depth) = match mode {
+            Mode::Sggx => (Sggx::from_entries(self.shape), self.columns.depths()),
+            Mode::Neyret1995 => {
+                let seen = adjugate(Sggx::from_entries(self.shape).matrix());
+                let areas = [seen.x_axis.x, seen.y_axis.y, seen.z_axis.z].map(|area| area.max(0.0).sqrt());
+                (Sggx::from_matrix(seen), areas.map(|area| (f64::from(self.density) * area * width) as f32))
+            }
+        };
+        let depth = depth.map(|depth| depth.min(MAX_DEPTH));
+        Texel {
+            density: self.density,
+            depth,
+            flakes: flakes.normalised(),
+            albedo: self.albedo,
+            gloss: self.gloss,
         }
     }
 }
 
-/// −ln of the transmittance along each axis: the product along, the mean across. Empty cells let everything pass.
-fn depths(cells: &[(usize, Joined)]) -> [f32; 3] {
-    std::array::from_fn(|axis| {
-        let mut columns = [0.0f64; 4];
+impl Columns {
+    /// −ln of the mean transmittance along each axis.
+    fn depths(&self) -> [f32; 3] {
+        match self {
+            Self::Even(depths) => *depths,
+            Self::Each(depths) => std::array::from_fn(|axis| {
+                let count = depths.len() / 3;
+                let columns = &depths[axis * count..(axis + 1) * count];
+                let absorbed: f64 = columns.iter().map(|depth| f64::from(-(-depth).exp_m1())).sum();
+                -(-absorbed / count as f64).ln_1p() as f32
+            }),
+        }
+    }
+
+    /// The columns of eight cells of s³ finest cells.
+    fn joined(cells: &[(usize, &Joined)], s: usize) -> Self {
+        let (count, row) = (s * s, 2 * s);
+        let mut sums = vec![0.0; 3 * 4 * count];
         for (octant, cell) in cells {
-            let column = match axis {
-                0 => octant >> 1,
-                1 => octant & 1 | octant >> 1 & 2,
-                _ => octant & 3,
-            };
-            columns[column] += f64::from(cell.texel.depth[axis]);
+            for axis in 0..3 {
+                let [u, v] = [[1, 2], [0, 2], [0, 1]][axis].map(|other| (octant >> other & 1) * s);
+                let target = &mut sums[axis * 4 * count..(axis + 1) * 4 * count];
+                for j in 0..s {
+                    let line = &mut target[(v + j) * row + u..][..s];
+                    match &cell.columns {
+                        Columns::Even(depths) => line.iter_mut().for_each(|sum| *sum += depths[axis]),
+                        Columns::Each(depths) => {
+                            let source = &depths[axis * count + j * s..][..s];
+                            line.iter_mut().zip(source).for_each(|(sum, depth)| *sum += depth);
+                        }
+                    }
+                }
+            }
         }
-        let absorbed: f64 = columns.iter().map(|depth| -(-depth).exp_m1()).sum();
-        (-(-0.25 * absorbed).ln_1p() as f32).min(MAX_DEPTH)
-    })
+        Self::Each(sums.into_boxed_slice())
+    }
+}
+
+/// Joins the filled ones of eight cells, each with its octant (bit 0: x, bit 1: y, bit 2: z) and `side` finest cells
+/// along its edge.
+pub(crate) fn join(cells: &[(usize, &Joined)], mode: Mode, side: usize) -> Joined {
+    let total: f32 = cells.iter().map(|(_, cell)| cell.density).sum();
+    let mut sum = Joined {
+        density: total / 8.0,
+        albedo: [0.0; 3],
+        gloss: 0.0,
+        shape: [0.0; 6],
+        columns: Columns::Even([0.0; 3]),
+    };
+    for (_, cell) in cells {
+        // Cells with depth and a density below what can be stored count alike.
+        let weight = if total > 0.0 { cell.density / total } else { 1.0 / cells.len() as f32 };
+        sum.shape.iter_mut().zip(cell.shape).for_each(|(sum, entry)| *sum += weight * entry);
+        sum.albedo.iter_mut().zip(cell.albedo).for_each(|(sum, share)| *sum += weight * share);
+        sum.gloss += weight * cell.gloss;
+    }
+    match mode {
+        Mode::Sggx => sum.columns = Columns::joined(cells, side),
+        Mode::Neyret1995 => {
+            let form = three_axis_normalised(Sggx::from_entries(sum.shape).matrix());
+            sum.shape = Sggx::from_matrix(form).entries();
+        }
+    }
+    sum
 }
 
 /// Q⁻¹ of flakes, normalised by the mean apparent area along its three axes.
@@ -116,9 +167,4 @@ fn three_axis_normalised(form: DMat3) -> DMat3 {
     let areas = Sggx::from_matrix(adjugate(form)).eigenvalues().map(|value| value.max(0.0).sqrt());
     let mean = (areas[0] + areas[1] + areas[2]) / 3.0;
     if mean > 0.0 && mean.is_finite() { form * mean.recip() } else { DMat3::IDENTITY }
-}
-
-/// The adjugate of a symmetric matrix: the products of its columns.
-fn adjugate(m: DMat3) -> DMat3 {
-    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }

@@ -11,6 +11,7 @@
 //! Lengths are in units of the volume's edge: the volume is the unit cube, a cell of level l is 2ˡ / edge wide.
 
 mod build;
+mod file;
 mod filter;
 mod flake;
 mod light;
@@ -18,17 +19,20 @@ mod morton;
 mod pack;
 mod phase;
 mod sggx;
+mod stats;
 mod symmetric;
 mod texel;
 mod volume;
 mod walk;
 
 pub use build::{BuildError, Builder};
+pub use file::FileError;
 pub use filter::Mode;
 pub use flake::{Flakes, VisibleNormals, disc_point};
 pub use light::{Gathered, Lamp, lit_share};
 pub use phase::{Model, NORMALS, Reflector, fibre_phase};
 pub use sggx::Sggx;
+pub use stats::{Fidelity, Size};
 pub use texel::{MAX_DEPTH, Phong, Texel};
 pub use volume::{Found, MAX_EDGE, Volume};
 pub use walk::{Footprint, Layer, Ray, Segment, Segments};

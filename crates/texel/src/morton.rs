@@ -6,7 +6,6 @@ pub(crate) fn encode(cell: [u32; 3]) -> u64 {
 }
 
 /// The cell of a key.
-#[cfg(test)]
 pub(crate) fn decode(key: u64) -> [u32; 3] {
     [gather(key), gather(key >> 1), gather(key >> 2)]
 }
@@ -25,7 +24,6 @@ fn spread(x: u32) -> u64 {
     x
 }
 
-#[cfg(test)]
 fn gather(key: u64) -> u32 {
     let mut x = key & 0x1249_2492_4924_9249;
     for (shift, mask) in [

@@ -65,7 +65,7 @@ fn signed(value: f32) -> u64 {
 }
 
 fn from_signed(bits: u64) -> f32 {
-    ((bits & 255) as f32 - 128.0) / 127.0
+    (((bits & 255) as f32 - 128.0) / 127.0).max(-1.0)
 }
 
 impl Packed {
@@ -105,5 +105,93 @@ impl Packed {
             albedo: [colour(low >> 56), colour(high), colour(high >> 8)],
             gloss: from_unit(low >> 48),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DMat3, DQuat, DVec3};
+
+    /// Numbers from 0 to 1 (Weyl's sequences of three roots).
+    fn numbers(count: u32) -> impl Iterator<Item = DVec3> {
+        let step = DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
+        (1..=count).map(move |i| (step * f64::from(i)).fract())
+    }
+
+    fn through(texel: &Texel) -> Texel {
+        Packed::new(texel).texel()
+    }
+
+    #[test]
+    fn flakes_keep_their_projected_areas() {
+        let mut worst: f64 = 0.0;
+        for (turn, size) in numbers(500).zip(numbers(1000).skip(500)) {
+            let axes =
+                DMat3::from_quat(DQuat::from_rotation_z(7.0 * turn.x) * DQuat::from_rotation_x(5.0 * turn.y))
+                    * DMat3::from_diagonal(size + 0.02);
+            let flakes = Sggx::ellipsoid(axes);
+            let read = through(&Texel { flakes, ..Texel::default() }).flakes;
+            for w in numbers(40).map(|v| (v - 0.5).normalize()) {
+                // Cancellation in σ² weighs more where σ is small: σ² is what is kept evenly.
+                worst = worst.max((read.projected_area(w).powi(2) - flakes.projected_area(w).powi(2)).abs());
+            }
+        }
+        assert!(worst < 0.06, "{worst}");
+    }
+
+    #[test]
+    fn entries_keep_their_bounds() {
+        for (turn, size) in numbers(500).zip(numbers(1000).skip(500)) {
+            let axes =
+                DMat3::from_quat(DQuat::from_rotation_y(7.0 * turn.x) * DQuat::from_rotation_x(5.0 * turn.y))
+                    * DMat3::from_diagonal(size + 0.02);
+            let given = Sggx::ellipsoid(axes);
+            let read = through(&Texel { flakes: given, ..Texel::default() }).flakes;
+            for (a, b) in [(given.xx, read.xx), (given.yy, read.yy), (given.zz, read.zz)] {
+                assert!((a.sqrt() - b.sqrt()).abs() <= 0.004, "{a} {b}");
+            }
+            let share = |s: &Sggx| s.xz / (s.xx * s.zz).sqrt();
+            assert!((share(&given) - share(&read)).abs() <= 0.004);
+        }
+    }
+
+    #[test]
+    fn amounts_keep_their_ratios() {
+        for step in 0..3000 {
+            let density = 1e-4 * 10f32.powf(step as f32 / 300.0);
+            let depth = (1e-6 * 10f32.powf(step as f32 / 400.0)).min(MAX_DEPTH);
+            let read = through(&Texel { density, depth: [depth; 3], ..Texel::default() });
+            assert!((read.density / density - 1.0).abs() <= 0.0029, "{density} {}", read.density);
+            assert!((read.depth[1] / depth - 1.0).abs() <= 0.0021, "{depth} {:?}", read.depth);
+            assert!(((-read.depth[2]).exp() - (-depth).exp()).abs() <= 0.0008);
+        }
+        assert_eq!(through(&Texel::default()).depth, [0.0; 3]);
+    }
+
+    #[test]
+    fn colours_keep_their_steps() {
+        for v in numbers(500) {
+            let albedo = [v.x as f32, v.y as f32, v.z as f32];
+            let read = through(&Texel { albedo, gloss: albedo[0], ..Texel::default() });
+            for (given, read) in albedo.iter().zip(read.albedo) {
+                assert!((given - read).abs() <= 0.004, "{given} {read}");
+            }
+            assert!((read.gloss - albedo[0]).abs() <= 0.002);
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_stored_as_some_texel() {
+        let odd = Texel {
+            density: f32::NAN,
+            depth: [f32::INFINITY, -1.0, f32::NAN],
+            flakes: Sggx::from_entries([f32::NAN; 6]),
+            albedo: [f32::NAN, 7.0, -2.0],
+            gloss: f32::NAN,
+        };
+        let read = through(&odd);
+        assert_eq!(read.depth, [MAX_DEPTH, 0.0, 0.0]);
+        assert_eq!((read.density, read.albedo[1], read.albedo[2]), (0.0, 1.0, 0.0));
     }
 }

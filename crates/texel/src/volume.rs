@@ -2,7 +2,7 @@
 
 use crate::pack::Packed;
 use crate::texel::MAX_DEPTH;
-use crate::{Mode, Phong, Texel};
+use crate::{Mode, Phong, Texel, morton};
 
 /// The greatest edge of a volume, in cells.
 pub const MAX_EDGE: u32 = 4096;
@@ -29,6 +29,19 @@ pub(crate) struct Level {
     pub(crate) parts: Vec<u8>,
     /// The place of a cell's first part in the level below.
     pub(crate) first: Vec<u32>,
+}
+
+impl Level {
+    /// Finds the places of first parts.
+    pub(crate) fn index(&mut self) {
+        let mut sum = 0u32;
+        let places = self.parts.iter().map(|parts| {
+            let first = sum;
+            sum = sum.wrapping_add(parts.count_ones());
+            first
+        });
+        self.first = places.collect();
+    }
 }
 
 /// What [`Volume::find`] came upon.
@@ -109,6 +122,30 @@ impl Volume {
         Found { level: at, texel: Some(self.unpacked(at, index, level)) }
     }
 
+    /// Calls `visit` with every filled cell of a level, in Morton order, and what fills it.
+    pub fn for_each(&self, level: u32, mut visit: impl FnMut([u32; 3], &Texel)) {
+        let top = self.levels() - 1;
+        if level > top || self.levels[top as usize].texels.is_empty() {
+            return;
+        }
+        // Cells wait in falling order: (level, place in it, cell).
+        let mut waiting = vec![(top, 0usize, [0u32; 3])];
+        while let Some((at, index, cell)) = waiting.pop() {
+            let here = &self.levels[at as usize];
+            let parts = here.parts.get(index).copied().unwrap_or(0);
+            if at == level || parts == 0 {
+                let texel = self.unpacked(at, index, level);
+                within(cell, at - level, |cell| visit(cell, &texel));
+                continue;
+            }
+            let mut place = here.first[index] as usize + parts.count_ones() as usize;
+            for octant in (0..8).rev().filter(|octant| parts >> octant & 1 != 0) {
+                place -= 1;
+                waiting.push((at - 1, place, child(cell, octant)));
+            }
+        }
+    }
+
     /// A stored cell, seen at a level at or below its own.
     fn unpacked(&self, at: u32, index: usize, level: u32) -> Texel {
         let stored = &self.levels[at as usize];
@@ -118,5 +155,18 @@ impl Volume {
             texel.depth = texel.depth.map(|depth| (depth * widths).min(MAX_DEPTH));
         }
         texel
+    }
+}
+
+/// The part of a cell in an octant.
+fn child(cell: [u32; 3], octant: u32) -> [u32; 3] {
+    std::array::from_fn(|axis| cell[axis] << 1 | octant >> axis & 1)
+}
+
+/// All cells `down` levels below `cell`, in Morton order.
+fn within(cell: [u32; 3], down: u32, mut visit: impl FnMut([u32; 3])) {
+    for key in 0..1u64 << (3 * down) {
+        let inner = morton::decode(key);
+        visit(std::array::from_fn(|axis| cell[axis] << down | inner[axis]));
     }
 }
