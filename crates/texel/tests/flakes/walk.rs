@@ -185,25 +185,39 @@ fn cyclic_volumes_go_on() {
 #[test]
 fn a_slab_lets_through_what_the_closed_form_says() {
     // Flakes of three shapes, in the lower half of the cube.
-    for flakes in [Sggx::ISOTROPIC, Sggx::surface(DVec3::new(0.6, 0.0, 0.8), 0.2), Sggx::fibre(DVec3::Y, 0.3)]
-    {
+    let shapes = [
+        Sggx::ISOTROPIC,
+        Sggx::surface(DVec3::new(0.6, 0.0, 0.8), 0.3),
+        Sggx::fibre(DVec3::new(0.0, 0.8, -0.6), 0.4),
+    ];
+    for flakes in shapes {
         let mut builder = Builder::new(EDGE).unwrap().cyclic([true, true, false]);
         let texel = Texel::even(1.5, flakes, 1.0 / f64::from(EDGE));
         for place in 0..EDGE.pow(3) / 2 {
             builder.insert([place % EDGE, place / EDGE % EDGE, place / EDGE / EDGE], &texel);
         }
         let volume = builder.build(Mode::Sggx).unwrap();
-        let [x, y, z] = texel.depth.map(f64::from);
-        for w in directions(100) {
+        for w in directions(400) {
             let way = 0.5 / w.z.abs();
-            // √(Σ (w · e)² τ²) / width · length.
-            let depth = (w * DVec3::new(x, y, z)).length() * f64::from(EDGE) * way;
+            let exact = (-1.5 * flakes.projected_area(w) * way).exp();
             let from = DVec3::new(0.3, 0.6, if w.z > 0.0 { -0.1 } else { 0.6 });
             let ray = Ray { origin: from, direction: w };
             let passes = (-volume.depth_along(&ray, (0.0, 1.5 * way + 10.0), |_| 0.0)).exp();
-            // Depths are stored with an error of 0.21 %.
-            assert!((passes - (-depth).exp()).abs() < 0.0012, "{flakes:?} {w}: {passes} {}", (-depth).exp());
+            // Flakes and depths are stored in few bits.
+            assert!((passes - exact).abs() < 0.005, "{flakes:?} {w}: {passes} {exact}");
         }
+    }
+}
+
+#[test]
+fn an_even_texel_has_the_extinction_of_its_flakes() {
+    let mut chance = Chance(24);
+    for _ in 0..50 {
+        let flakes = Sggx::surface(chance.direction(), chance.between(0.05, 1.0));
+        let texel = Texel::even(2.0, flakes, 0.25);
+        let w = chance.direction();
+        let (found, exact) = (texel.extinction(w, 0.25), 2.0 * flakes.projected_area(w));
+        assert!((found - exact).abs() < 1e-5, "{flakes:?} {w}: {found} {exact}");
     }
 }
 
