@@ -56,6 +56,11 @@ impl Builder {
         self
     }
 
+    /// Along which axes the volume will be cyclic.
+    pub fn is_cyclic(&self) -> [bool; 3] {
+        self.cyclic
+    }
+
     /// Cells along an edge.
     pub fn edge(&self) -> u32 {
         self.edge
@@ -74,6 +79,11 @@ impl Builder {
     /// Adds to what fills a cell. Cells outside of the volume and contents that stop no light are left out.
     pub fn insert(&mut self, cell: [u32; 3], texel: &Texel) {
         self.cells.extend(self.packed(cell, texel));
+    }
+
+    /// Adds a cell that is packed.
+    pub(crate) fn insert_packed(&mut self, cell: [u32; 3], packed: Packed) {
+        self.cells.push((morton::encode(cell), packed));
     }
 
     /// Adds many cells, made on all cores.

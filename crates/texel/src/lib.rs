@@ -11,12 +11,14 @@
 //! Lengths are in units of the volume's edge: the volume is the unit cube, a cell of level l is 2ˡ / edge wide.
 
 mod build;
+mod chance;
 mod file;
 mod filter;
 mod flake;
 mod light;
 mod morton;
 mod pack;
+pub mod paint;
 mod phase;
 mod sggx;
 mod stats;

@@ -2,7 +2,7 @@
 
 use crate::pack::Packed;
 use crate::texel::MAX_DEPTH;
-use crate::{Mode, Phong, Texel, morton};
+use crate::{BuildError, Builder, Mode, Phong, Texel, morton};
 
 /// The greatest edge of a volume, in cells.
 pub const MAX_EDGE: u32 = 4096;
@@ -122,8 +122,32 @@ impl Volume {
         Found { level: at, texel: Some(self.unpacked(at, index, level)) }
     }
 
+    /// The same finest level, filtered by another rule.
+    ///
+    /// # Errors
+    /// [`BuildError`] as of [`Builder::build`].
+    pub fn filtered(&self, mode: Mode) -> Result<Self, BuildError> {
+        let mut builder = Builder::new(self.edge())?.cyclic(self.cyclic).phong(self.phong);
+        self.walk(0, |cell, at, index| builder.insert_packed(cell, self.levels[at as usize].texels[index]));
+        builder.build(mode)
+    }
+
     /// Calls `visit` with every filled cell of a level, in Morton order, and what fills it.
     pub fn for_each(&self, level: u32, mut visit: impl FnMut([u32; 3], &Texel)) {
+        // Cells inside an evenly filled one come one after the other.
+        let mut last = None;
+        self.walk(level, |cell, at, index| {
+            let texel = match last {
+                Some((key, texel)) if key == (at, index) => texel,
+                _ => self.unpacked(at, index, level),
+            };
+            last = Some(((at, index), texel));
+            visit(cell, &texel);
+        });
+    }
+
+    /// Calls `visit` with every filled cell of a level, and the level and index of the stored cell that says what fills it.
+    fn walk(&self, level: u32, mut visit: impl FnMut([u32; 3], u32, usize)) {
         let top = self.levels() - 1;
         if level > top || self.levels[top as usize].texels.is_empty() {
             return;
@@ -134,8 +158,7 @@ impl Volume {
             let here = &self.levels[at as usize];
             let parts = here.parts.get(index).copied().unwrap_or(0);
             if at == level || parts == 0 {
-                let texel = self.unpacked(at, index, level);
-                within(cell, at - level, |cell| visit(cell, &texel));
+                within(cell, at - level, |cell| visit(cell, at, index));
                 continue;
             }
             let mut place = here.first[index] as usize + parts.count_ones() as usize;

@@ -156,3 +156,11 @@ fn a_wall_stays_opaque_only_where_transmittances_are_filtered() {
     assert!((transmittance(&sggx, 1) - 31.0 / 32.0).abs() < 1e-3, "{sggx:?}");
     assert!(transmittance(&old, 0) > 0.03, "{old:?}");
 }
+
+#[test]
+fn filtering_anew_is_filtering_at_first() {
+    let (sggx, _) = scattered(16, 600, Mode::Sggx);
+    let (old, _) = scattered(16, 600, Mode::Neyret1995);
+    assert!(sggx.filtered(Mode::Neyret1995).expect("few cells") == old);
+    assert!(old.filtered(Mode::Sggx).expect("few cells") == sggx);
+}
