@@ -10,6 +10,7 @@
 //! to a mean apparent area of 1 along its three axes; the density is the mean; depths follow from the two, so that
 //! opaque things thin out. Q⁻¹ of flat or thin shapes has no bound: S is first raised by 10⁻⁴ of its trace.
 
+use crate::symmetric::adjugate;
 use crate::texel::MAX_DEPTH;
 use crate::{Sggx, Texel};
 use glam::{DMat3, DVec3};
@@ -166,9 +167,4 @@ fn three_axis_normalised(form: DMat3) -> DMat3 {
     let areas = Sggx::from_matrix(adjugate(form)).eigenvalues().map(|value| value.max(0.0).sqrt());
     let mean = (areas[0] + areas[1] + areas[2]) / 3.0;
     if mean > 0.0 && mean.is_finite() { form * mean.recip() } else { DMat3::IDENTITY }
-}
-
-/// The adjugate of a symmetric matrix: the products of its columns.
-fn adjugate(m: DMat3) -> DMat3 {
-    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }

@@ -16,9 +16,8 @@ pub struct Texel {
     /// extinction of an evenly filled cell is density · σ(w).
     pub density: f32,
     /// Optical depth straight across the cell along x, y and z: −ln of the transmittance in the mean over the
-    /// cell's face, from 0 to [`MAX_DEPTH`]. With τ the depth and h the width of the cell, the extinction along the unit
-    /// direction w is √(Σ wₖ² τₖ²) / h. Unlike the density it knows how the content is spread over the face: an
-    /// opaque wall and an opaque speck of the same amount differ.
+    /// cell's face, from 0 to [`MAX_DEPTH`]. Unlike the density it knows how the content is spread over the face: an
+    /// opaque wall and an opaque speck of the same amount differ. In other directions see [`Texel::extinction`].
     pub depth: [f32; 3],
     /// Which way the flakes face, with a mean projected area of 1.
     pub flakes: Sggx,
@@ -46,10 +45,20 @@ impl Texel {
         Self { albedo, gloss, ..self }
     }
 
-    /// The extinction along the unit direction `w` in a cell of the given `width`, by the depths.
+    /// The extinction along the unit direction `w` in a cell of the given `width`: √(Σ wᵢ wⱼ rᵢⱼ τᵢ τⱼ) / width, where τ
+    /// are the depths and rᵢⱼ = Sᵢⱼ / √(Sᵢᵢ Sⱼⱼ). Along the axes it is that of the depths, and in an evenly filled cell it is
+    /// density · σ(w) in every direction.
     pub fn extinction(&self, w: DVec3, width: f64) -> f64 {
-        let [x, y, z] = self.depth.map(f64::from);
-        (w * DVec3::new(x, y, z)).length() / width
+        let s = &self.flakes;
+        let seen = [0, 1, 2].map(|axis| w[axis] * f64::from(self.depth[axis]));
+        let tied = |entry: f32, a: f32, b: f32| {
+            let product = f64::from(a) * f64::from(b);
+            if product > 0.0 { f64::from(entry) / product.sqrt() } else { 0.0 }
+        };
+        let [x, y, z] = seen;
+        let mixed =
+            x * y * tied(s.xy, s.xx, s.yy) + x * z * tied(s.xz, s.xx, s.zz) + y * z * tied(s.yz, s.yy, s.zz);
+        (x * x + y * y + z * z + 2.0 * mixed).max(0.0).sqrt() / width
     }
 }
 
