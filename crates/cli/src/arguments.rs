@@ -14,6 +14,7 @@ use crate::examples;
 use crate::failure::Failure;
 use crate::measure::MeasureArguments;
 use crate::plot::PlotArguments;
+use crate::texel::TexelCommand;
 
 /// The headings of the options in the help.
 pub(crate) const VIEW: &str = "View";
@@ -58,6 +59,9 @@ pub(crate) enum Command {
     /// Measure times, side by side with other programs, and how they grow.
     #[command(after_help = examples::BENCH)]
     Bench(Box<BenchArguments>),
+    /// Make volumes of texels, and look into them.
+    #[command(subcommand, after_help = examples::TEXEL)]
+    Texel(TexelCommand),
     /// Print the JSON Schema of scene files, for editors.
     #[command(after_help = examples::SCHEMA)]
     Schema,

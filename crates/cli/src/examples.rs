@@ -55,6 +55,23 @@ Examples:
 The area is that of the surface f = 0: faces where the bounds cut the solid count for the volume only. Where the gradient
 may be 0 on the surface, the area has a lower bound only. Lengths are in the units of the model.";
 
+/// `texel`.
+pub(crate) const TEXEL: &str = "\
+Examples:
+  A volume from a recipe; the same, finer; by the rules of the paper of 1995:
+    fieldstone texel build lawn.toml -o lawn.texel
+    fieldstone texel build lawn.toml -o fine.texel --edge 256
+    fieldstone texel build lawn.toml -o old.texel --filter 1995
+
+  What is in it, and how far its coarser levels are from the finest:
+    fieldstone texel info lawn.texel
+    fieldstone texel compare lawn.texel --json
+
+  All of it along y, a plane of it, and what the flakes of a coarser level look like:
+    fieldstone texel slice lawn.texel -o lawn.png
+    fieldstone texel slice lawn.texel -o plane.png --axis z --at 0.25
+    fieldstone texel slice lawn.texel -o flakes.png --level 2 --show flakes";
+
 /// `plot`.
 pub(crate) const PLOT: &str = "\
 Examples:
@@ -179,7 +196,7 @@ mod tests {
     }
 
     fn commands() -> impl Iterator<Item = &'static str> {
-        let texts = [PROGRAM, RENDER, EVAL, CHECK, MEASURE, PLOT, CONVERT, SCHEMA, COMPLETIONS, MAN];
+        let texts = [PROGRAM, RENDER, EVAL, CHECK, MEASURE, PLOT, TEXEL, CONVERT, SCHEMA, COMPLETIONS, MAN];
         let lines = texts.into_iter().flat_map(str::lines).map(str::trim);
         lines.filter_map(|line| match line.split_once("| ") {
             Some((_, piped)) => Some(piped),
@@ -222,6 +239,7 @@ mod tests {
             "docs/gallery.md",
             "docs/performance.md",
             "docs/hyperfun.md",
+            "docs/texels.md",
             "docs/hyperfun/tutorial.md",
         ];
         for document in documents {

@@ -2,7 +2,7 @@
 
 use fieldstone::{
     BallError, BoundsError, Diagnostics, FramesError, InputError, LoadError, MeasureError, OutputError,
-    PictureError, PlotError, RenderError, RequestError, Severity, SliceError, SliceRequestError,
+    PictureError, PlotError, RenderError, RequestError, Severity, SliceError, SliceRequestError, TexelError,
 };
 use std::{fmt, io};
 
@@ -93,6 +93,16 @@ impl From<RenderError> for Failure {
 impl From<Diagnostics> for Failure {
     fn from(diagnostics: Diagnostics) -> Self {
         Self::Model(Box::new(diagnostics))
+    }
+}
+
+impl From<TexelError> for Failure {
+    fn from(error: TexelError) -> Self {
+        match error {
+            TexelError::Load(error) => error.into(),
+            TexelError::Cut(message) => Self::Usage(message),
+            other => Self::Material(other.to_string()),
+        }
     }
 }
 

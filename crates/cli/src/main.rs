@@ -17,6 +17,7 @@ mod progress;
 mod render;
 mod schema;
 mod slice;
+mod texel;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         Command::Measure(arguments) => measure::run(&arguments),
         Command::Plot(arguments) => plot::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Texel(command) => texel::run(&command, start),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,6 +6,7 @@ mod raw;
 
 use crate::load::open_regular;
 use fieldstone_solids::{PointError, VoxelArray, VoxelError};
+use fieldstone_texel::sources::{Scan, SourceError};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -64,6 +65,9 @@ pub enum DataError {
         /// Why.
         reason: PointError,
     },
+    /// A source of volumetric textures is not read.
+    #[error(transparent)]
+    Source(#[from] SourceError),
 }
 
 impl DataError {
@@ -113,12 +117,32 @@ pub fn load_voxels(
     match (kind.as_deref(), raw) {
         (Some("nrrd" | "nhdr"), _) => load_nrrd(path, placement, interpolation),
         (_, Some(layout)) => load_raw(path, layout, placement, interpolation),
-        _ => {
-            let message =
-                "raw numbers need their counts and type, such as size = [64, 64, 64], type = \"u8\"";
-            Err(DataError::content(path, None, message))
-        }
+        _ => Err(needs_layout(path)),
     }
+}
+
+/// Reads a scan for a volumetric texture: NIfTI from `.nii` and `.gz`, NRRD from `.nrrd` and `.nhdr`, at their own distances;
+/// raw numbers, at distances of 1, from any other file, which `raw` must describe.
+///
+/// # Errors
+/// Files that cannot be read, are too large, or hold something else.
+pub fn load_scan(path: &Path, raw: Option<&RawLayout>) -> Result<Scan, DataError> {
+    let kind = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match (kind.as_deref(), raw) {
+        (Some("nii" | "gz"), None) => Ok(fieldstone_texel::sources::read_nifti(path)?),
+        (Some("nrrd" | "nhdr"), _) => nrrd::scan(path),
+        (_, Some(layout)) => {
+            let values = raw::numbers(path, (&read(path)?, layout))?;
+            Scan::new(layout.counts, [1.0; 3], values)
+                .map_err(|error| DataError::content(path, None, error.to_string()))
+        }
+        _ => Err(needs_layout(path)),
+    }
+}
+
+fn needs_layout(path: &Path) -> DataError {
+    let message = "raw numbers need their counts and type, such as size = [64, 64, 64], type = \"u8\"";
+    DataError::content(path, None, message)
 }
 
 #[cfg(test)]

@@ -79,10 +79,11 @@ mod plot;
 mod presentation;
 mod request;
 mod slice;
+mod texel;
 
 pub use convert::{ConvertError, convert};
 pub use data::{
-    DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw,
+    DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw, load_scan,
     load_voxels,
 };
 pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};
@@ -102,6 +103,7 @@ pub use plot::{
 };
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
+pub use texel::{Cut, CutContent, CutPicture, MAX_CUT_PIXELS, Recipe, TexelError, load_volume, write_volume};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
 pub use fieldstone_lang::{
@@ -127,5 +129,6 @@ pub use fieldstone_space::{
     Census, DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, Lattice, MeasureOptions, Measures, Octree,
     OctreeOptions, Walker, solid_bounds,
 };
+pub use fieldstone_texel::{Fidelity, FileError, Mode, Phong, Sggx, Size, Texel, Volume};
 pub use fieldstone_trace::Certificate;
 pub use glam;

@@ -7,6 +7,7 @@ use std::process::Command;
 const ALLOWED: [(&str, &[&str]); 11] = [
     ("fieldstone-solids", &["fieldstone-field"]),
     ("fieldstone-lang", &["fieldstone-field", "fieldstone-solids"]),
+    ("fieldstone-texel", &["fieldstone-field"]),
     ("fieldstone-trace", &["fieldstone-field"]),
     ("fieldstone-space", &["fieldstone-trace", "fieldstone-field"]),
     ("fieldstone-scene", &["fieldstone-field", "fieldstone-texel"]),

@@ -14,3 +14,4 @@ mod render;
 mod robust;
 mod scene;
 mod slice;
+mod texel;

@@ -1,11 +1,12 @@
 //! NRRD: "nearly raw raster data" (Kindlmann 2000), with the numbers in the file of the header or beside it, raw or
 //! packed by gzip.
 
-use super::raw::{NumberType, RawLayout, array};
+use super::raw::{NumberType, RawLayout, array, numbers};
 use super::{DataError, Placement, placed, read, read_limited};
 use fieldstone_solids::{Interpolation, VoxelArray};
+use fieldstone_texel::sources::Scan;
 use flate2::read::MultiGzDecoder;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// No header is longer.
 const MAX_HEADER: usize = 1 << 20;
@@ -32,27 +33,48 @@ pub fn load_nrrd(
     placement: &Placement,
     interpolation: Interpolation,
 ) -> Result<VoxelArray, DataError> {
+    let contents = contents(path)?;
+    let place = placed(contents.layout.counts, contents.steps, placement);
+    array(&contents.path, (&contents.bytes, &contents.layout), place, interpolation)
+}
+
+/// The numbers of an NRRD file as a scan, at the distances that it says.
+pub(super) fn scan(path: &Path) -> Result<Scan, DataError> {
+    let contents = contents(path)?;
+    let values = numbers(&contents.path, (&contents.bytes, &contents.layout))?;
+    let steps = contents.steps.unwrap_or([1.0; 3]);
+    Scan::new(contents.layout.counts, steps, values)
+        .map_err(|error| DataError::content(path, None, error.to_string()))
+}
+
+/// What an NRRD file holds.
+struct Contents {
+    /// The file with the numbers.
+    path: PathBuf,
+    bytes: Vec<u8>,
+    layout: RawLayout,
+    steps: Option<[f64; 3]>,
+}
+
+/// Reads the header and the bytes of the numbers, unpacked.
+fn contents(path: &Path) -> Result<Contents, DataError> {
     let bytes = read(path)?;
     let (header, rest) = header(path, &bytes)?;
     let missing = |what: &str| DataError::content(path, None, format!("the header has no `{what}`"));
     let counts = header.counts.ok_or_else(|| missing("sizes"))?;
     let number = header.number.ok_or_else(|| missing("type"))?;
-    let detached;
     let (data_path, data) = match &header.data_file {
-        None => (path.to_owned(), rest),
+        None => (path.to_owned(), rest.to_vec()),
         Some(name) => {
             let place = path.with_file_name(name);
-            detached = read(&place)?;
-            (place, &detached[..])
+            let detached = read(&place)?;
+            (place, detached)
         }
     };
     let layout = RawLayout { counts, number, big_endian: header.big_endian, skip: header.skip };
-    let place = placed(counts, header.steps, placement);
-    if header.is_packed {
-        let unpacked = read_limited(&data_path, MultiGzDecoder::new(data))?;
-        return array(&data_path, (&unpacked, &layout), place, interpolation);
-    }
-    array(&data_path, (data, &layout), place, interpolation)
+    let bytes =
+        if header.is_packed { read_limited(&data_path, MultiGzDecoder::new(&data[..]))? } else { data };
+    Ok(Contents { path: data_path, bytes, layout, steps: header.steps })
 }
 
 /// The header, and the bytes after the empty line that ends it.

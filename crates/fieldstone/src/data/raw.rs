@@ -79,14 +79,21 @@ pub fn load_raw(
 /// The array of the numbers that begin the bytes.
 pub(super) fn array(
     path: &Path,
-    (bytes, layout): (&[u8], &RawLayout),
+    data: (&[u8], &RawLayout),
     place: [[f64; 3]; 2],
     interpolation: Interpolation,
 ) -> Result<VoxelArray, DataError> {
-    let voxels = |reason| DataError::Voxels { path: path.to_owned(), reason };
+    let values = numbers(path, data)?;
+    VoxelArray::new(data.1.counts, values, place, interpolation)
+        .map_err(|reason| DataError::Voxels { path: path.to_owned(), reason })
+}
+
+/// The numbers that begin the bytes.
+pub(super) fn numbers(path: &Path, (bytes, layout): (&[u8], &RawLayout)) -> Result<Vec<f32>, DataError> {
     let counts = layout.counts;
     let count = counts.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
-    let count = count.filter(|n| *n <= MAX_VOXELS).ok_or(voxels(VoxelError::Counts(counts)))?;
+    let too_many = || DataError::Voxels { path: path.to_owned(), reason: VoxelError::Counts(counts) };
+    let count = count.filter(|n| *n <= MAX_VOXELS).ok_or_else(too_many)?;
     let bytes = bytes.get(layout.skip..).unwrap_or_default();
     let needed = count * layout.number.bytes();
     if bytes.len() < needed {
@@ -98,8 +105,7 @@ pub(super) fn array(
         return Err(DataError::content(path, None, message));
     }
     let numbers = bytes[..needed].chunks_exact(layout.number.bytes());
-    let values = numbers.map(|number| value(number, layout)).collect();
-    VoxelArray::new(counts, values, place, interpolation).map_err(voxels)
+    Ok(numbers.map(|number| value(number, layout)).collect())
 }
 
 /// The value of one number; its bytes are as many as its type has.

@@ -200,3 +200,19 @@ fn points_that_make_no_solid_name_their_file() {
     let error = DataError::Points { path: PathBuf::from("a.csv"), reason };
     assert_eq!(error.to_string(), "a.csv: a solid needs 4 to 50000 points, not 1");
 }
+
+#[test]
+fn scans_come_from_nrrd_and_raw_files() {
+    let data: Vec<u8> = numbers().iter().map(|v| *v as u8).collect();
+    let header = b"NRRD0004\ntype: uchar\nsizes: 3 2 2\nencoding: raw\nspacings: 1 2 4\n\n".to_vec();
+    let (_folder, path) = file("a.nrrd", &[header, data.clone()].concat());
+    let scan = load_scan(&path, None).unwrap();
+    assert_eq!(scan.bounds(), [[0.0; 3], [2.0, 2.0, 4.0]]);
+    assert!((scan.at([1.5, 0.0, 2.0]).unwrap() - 51.5).abs() < 1e-5);
+    let (_folder, path) = file("a.raw", &data);
+    assert!(message(load_scan(&path, None)).contains("raw numbers need their counts and type"));
+    let layout = RawLayout { counts: [3, 2, 2], number: NumberType::U8, big_endian: false, skip: 0 };
+    assert_eq!(load_scan(&path, Some(&layout)).unwrap().range(), Some([0.0, 112.0]));
+    let (_folder, path) = file("a.nii", &data);
+    assert!(message(load_scan(&path, None)).contains("this is no NIfTI file"));
+}
