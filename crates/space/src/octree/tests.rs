@@ -60,7 +60,7 @@ fn rays(count: usize, distance: f64, seed: u64) -> Vec<Ray> {
     let mut state = seed;
     let mut eye = [0.0; 3];
     let ray = |i: usize| {
-        if i % 64 == 0 || i > count / 2 {
+        if i.is_multiple_of(64) || i > count / 2 {
             eye = [0; 3].map(|_| distance * (2.0 * random(&mut state) - 1.0));
         }
         let target = [0; 3].map(|_| SIDE * (2.0 * random(&mut state) - 1.0));
@@ -168,12 +168,7 @@ fn a_tree_without_room_finds_the_same() {
 }
 
 /// Calls with each open cell, its place and number; of cells that are not open with their side of the surface.
-fn each_cell(
-    tree: &Octree,
-    cell: &Cell,
-    place: Place,
-    visit: &mut impl FnMut(Place, u32, Result<&Cell, bool>),
-) {
+fn each_cell(cell: &Cell, place: Place, visit: &mut impl FnMut(Place, u32, Result<&Cell, bool>)) {
     let Some(node) = cell.below.get() else { return };
     for number in 0..64 {
         if node.outside >> number & 1 == 1 {
@@ -183,7 +178,7 @@ fn each_cell(
         } else {
             let below = node.cell(number);
             visit(place, number, Ok(below));
-            each_cell(tree, below, place.child(number), visit);
+            each_cell(below, place.child(number), visit);
         }
     }
 }
@@ -196,7 +191,7 @@ fn what_cells_say_holds_all_over_them() {
         walk(&tree, &rays(256, 6.0, 11), &Settings::new(2.0 * SIDE));
         let at = |p: [f64; 3]| field.at(&p, &Bindings::new())[0];
         let mut checked = [0; 2];
-        each_cell(&tree, &tree.root, Place::ROOT, &mut |place, number, cell| {
+        each_cell(&tree.root, Place::ROOT, &mut |place, number, cell| {
             if random(&mut state) > 0.1 {
                 return;
             }
@@ -245,7 +240,7 @@ fn programs_of_cells_have_the_sign_of_the_field() {
     walk(&tree, &rays(256, 6.0, 11), &Settings::new(2.0 * SIDE));
     let mut points = fieldstone_field::Workspace::<fieldstone_field::F64, fieldstone_field::Points>::new();
     let mut shorter = 0;
-    each_cell(&tree, &tree.root, Place::ROOT, &mut |place, number, cell| {
+    each_cell(&tree.root, Place::ROOT, &mut |place, number, cell| {
         let Ok(cell) = cell else { return };
         shorter += usize::from(cell.programs.value.len() < tree.program_len());
         let (child, unit) = (place.child(number), place.unit());
