@@ -52,7 +52,8 @@ impl Default for OctreeOptions {
     }
 }
 
-/// The tree; see the [module](self).
+/// An octree over a solid: each cell holds the shortest program that is right there, and bounds of the field and of its
+/// slopes. All rays walk it, whatever the view; it is built where they come by.
 #[derive(Debug)]
 pub struct Octree {
     /// The corner with the smallest coordinates.
