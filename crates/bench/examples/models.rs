@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p fieldstone-bench --example models -- gallery/bench
-//! cargo run --release -p fieldstone-bench --example models -- /tmp/models all
+//! cargo run --release -p fieldstone-bench --example models -- models all
 //! ```
 
 use fieldstone_bench::MODELS;
