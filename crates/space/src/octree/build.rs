@@ -11,8 +11,9 @@ use typed_arena::Arena;
 const WORTH_A_COPY: f64 = 0.9;
 /// Cells without slopes are divided, from the second level on, only if their programs get shorter than this part.
 const PROGRESS: f64 = 0.7;
-/// From this level on cells that promise nothing are not divided.
-const FACETS_FROM: usize = 1;
+/// Cells of nodes from this level on are small: they are not divided if they promise nothing, and slopes that stay long are
+/// looked at behind it.
+const SMALL_FROM: usize = 1;
 /// Slopes of more instructions than this, of which less than one in so many is a choice, are looked at later.
 const MANY_SLOPES: usize = 512;
 const RARE: usize = 10;
@@ -143,7 +144,7 @@ impl Builder {
 /// become shorter, otherwise only where cells are small.
 fn is_due(slopes: &Tape, level: usize) -> bool {
     let is_rigid = slopes.len() > MANY_SLOPES && RARE * slopes.choices().count() < slopes.len();
-    !is_rigid || level > FACETS_FROM
+    !is_rigid || level > SMALL_FROM
 }
 
 /// Whether a cell need not be divided.
@@ -153,7 +154,7 @@ fn is_leaf(parent: &Cell, level: usize, facet: Option<Facet>, shorter: &Arc<Tape
         _ if level + 1 == LEVELS => true,
         Some(facet) => facet.is_close(),
         // Nothing is known of the slopes, and that will not change.
-        None => level >= FACETS_FROM && !progress,
+        None => level >= SMALL_FROM && !progress,
     }
 }
 
