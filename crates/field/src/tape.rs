@@ -14,7 +14,7 @@ use crate::op::{Binary, Unary};
 use std::sync::Arc;
 
 /// Where an operand comes from.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Operand {
     /// A value; after allocation, a register.
     Value(u32),
@@ -23,7 +23,7 @@ pub(crate) enum Operand {
 }
 
 /// What an instruction does.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Op {
     Unary(Unary),
     Powi(i32),
@@ -278,7 +278,11 @@ impl Tape {
     }
 
     /// A tape of the live ones among `instructions`, all other operands read through `resolve`.
-    fn rebuilt(&self, mut instructions: Vec<Instruction>, resolve: impl Fn(Operand) -> Operand) -> Tape {
+    pub(crate) fn rebuilt(
+        &self,
+        mut instructions: Vec<Instruction>,
+        resolve: impl Fn(Operand) -> Operand,
+    ) -> Tape {
         let outputs: Vec<Operand> = self.code.outputs.iter().map(|&o| resolve(o)).collect();
         let mut live = vec![false; self.value_count as usize];
         let mark = |o: Operand, live: &mut Vec<bool>| {

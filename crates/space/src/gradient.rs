@@ -129,6 +129,7 @@ impl Gradients {
         let by = match op {
             Unary::Neg => return slopes.map(|slope| slope.map(|s| graph.neg(s))),
             Unary::Abs => graph.sign(a),
+            Unary::Sqrt if let Some(terms) = squares_of(graph, a) => return self.norm(graph, n, &terms),
             Unary::Sqrt => {
                 let twice = graph.add(n, n);
                 graph.recip(twice)
@@ -168,6 +169,21 @@ impl Gradients {
             }
         };
         scaled(graph, by, slopes)
+    }
+
+    /// The slopes of √(a² + b² + …): those of each term times its share a/√…, which is never beyond ±1, even where all
+    /// terms may be 0.
+    fn norm(&self, graph: &mut Graph, n: NodeId, terms: &[NodeId]) -> Slopes {
+        let [least, one, minus_one] = [f64::MIN_POSITIVE, 1.0, -1.0].map(|c| graph.constant(c));
+        let length = graph.max(n, least);
+        let inverse = graph.recip(length);
+        terms.iter().fold([None; 3], |sum, &term| {
+            let share = graph.mul(term, inverse);
+            let share = graph.max(share, minus_one);
+            let share = graph.min(share, one);
+            let slopes = scaled(graph, share, self.slopes(term));
+            plus(graph, sum, slopes)
+        })
     }
 
     fn binary(&self, graph: &mut Graph, n: NodeId, op: Binary, (a, b): (NodeId, NodeId)) -> Slopes {
@@ -297,6 +313,25 @@ fn jump_of(graph: &mut Graph, step: NodeId) -> NodeId {
     let above_half = graph.sub(same, half);
     let inverse = graph.recip(above_half);
     graph.sub(inverse, two)
+}
+
+/// More terms than this under a root are not looked for.
+const MOST_TERMS: usize = 16;
+
+/// The terms of a sum of squares.
+fn squares_of(graph: &Graph, sum: NodeId) -> Option<Vec<NodeId>> {
+    let (mut terms, mut stack) = (Vec::new(), vec![sum]);
+    while let Some(n) = stack.pop() {
+        match *graph.node(n) {
+            Node::Unary(Unary::Square, a) => terms.push(a),
+            Node::Binary(Binary::Add, a, b) => stack.extend([b, a]),
+            _ => return None,
+        }
+        if terms.len() + stack.len() > MOST_TERMS {
+            return None;
+        }
+    }
+    Some(terms)
 }
 
 /// 1 + a².

@@ -15,16 +15,20 @@
 mod build;
 mod facet;
 mod packet;
+mod pieces;
 mod plane;
+mod settle;
 mod sign;
 mod solve;
 mod walk;
 
 use crate::gradient::Gradients;
 use facet::Facet;
-use fieldstone_field::{Bindings, Field, Reading, Tape, TapeOptions};
+use fieldstone_field::{Bindings, CodeKey, Field, Reading, Tape, TapeOptions};
+use pieces::{Operand, Pieces};
+use rustc_hash::FxHashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 pub use plane::Lattice;
 pub use walk::Walker;
@@ -63,6 +67,10 @@ pub struct Octree {
     /// How far cells reach beyond their faces, so that the rounding of rays does not matter.
     slack: f64,
     root: Cell,
+    /// Whether the field is a set operation, so that its cells are taken apart.
+    is_composite: bool,
+    /// The operands that cells were taken apart into, each made once.
+    operands: Mutex<FxHashMap<CodeKey, Arc<Operand>>>,
     memory: AtomicUsize,
     limit: usize,
 }
@@ -87,7 +95,7 @@ pub struct Census {
 struct Programs {
     /// The field, for its sign.
     value: Arc<Tape>,
-    /// Its slopes along x, y and z; none where nothing can be known of them.
+    /// Its slopes along x, y and z; none where nothing can be known of them, and where operands have their own.
     slopes: Option<Arc<Tape>>,
 }
 
@@ -95,7 +103,7 @@ struct Programs {
 #[derive(Debug)]
 struct Cell {
     programs: Programs,
-    facet: Option<Facet>,
+    pieces: Option<Box<Pieces>>,
     /// Whether it is not to be divided.
     is_leaf: bool,
     below: OnceLock<Box<Node>>,
@@ -153,17 +161,22 @@ impl Octree {
         options: OctreeOptions,
     ) -> Self {
         let size = [0, 1, 2].map(|axis| max[axis] - min[axis]);
+        let field = sign::sign_form(field);
+        let programs = Programs::new(&field, bindings);
+        let is_composite = sign::is_set_operation(&field) && !field.has_loops();
         let longest = size.into_iter().fold(0.0, f64::max);
         Self {
             corner: [0, 1, 2].map(|axis| min[axis] - ROOM[0] * size[axis]),
             step: size.map(|s| s * (1.0 + ROOM[0] + ROOM[1]) / f64::from(FINEST)),
             slack: 1e-9 * longest,
             root: Cell {
-                programs: Programs::new(&sign::sign_form(field), bindings),
-                facet: None,
+                programs: if is_composite { programs } else { programs.with_slopes(&field, bindings) },
+                pieces: None,
                 is_leaf: false,
                 below: OnceLock::new(),
             },
+            is_composite,
+            operands: Mutex::default(),
             memory: AtomicUsize::new(0),
             limit: options.memory,
         }
@@ -199,7 +212,7 @@ impl Cell {
     fn count(&self, census: &mut Census) {
         if self.is_leaf {
             census.leaves += 1;
-            census.facets += usize::from(self.facet.is_some());
+            census.facets += usize::from(self.pieces.is_some());
             census.instructions += self.programs.value.len();
         }
         if let Some(node) = self.below.get() {
@@ -211,17 +224,27 @@ impl Cell {
 
 impl Programs {
     fn new(field: &Field, bindings: &Bindings) -> Self {
-        let options = TapeOptions { bindings: bindings.clone(), ..TapeOptions::default() };
-        let value = Tape::new(field, &TapeOptions { reading: Reading::Sign, ..options.clone() });
-        // Loops have no slopes that are known, and are dear.
-        let slopes = (!field.has_loops()).then(|| {
-            let mut graph = (**field.graph()).clone();
-            let [x, y, z] = Gradients::default().of(&mut graph, field.value());
-            let slopes = Field::new(graph, x, vec![y, z]).with_fuel(field.fuel());
-            Arc::new(Tape::new(&slopes, &TapeOptions { attributes: true, ..options }))
-        });
-        Self { value: Arc::new(value), slopes }
+        let options =
+            TapeOptions { bindings: bindings.clone(), reading: Reading::Sign, ..TapeOptions::default() };
+        Self { value: Arc::new(Tape::new(field, &options)), slopes: None }
     }
+
+    fn with_slopes(mut self, field: &Field, bindings: &Bindings) -> Self {
+        // Loops have no slopes that are known, and are dear.
+        if !field.has_loops() {
+            let options =
+                TapeOptions { bindings: bindings.clone(), attributes: true, ..TapeOptions::default() };
+            self.slopes = Some(Arc::new(Tape::new(&slopes_of(field), &options)));
+        }
+        self
+    }
+}
+
+/// A field without loops, as its slope along x, with those along y and z for attributes.
+fn slopes_of(field: &Field) -> Field {
+    let mut graph = (**field.graph()).clone();
+    let [x, y, z] = Gradients::default().of(&mut graph, field.value());
+    Field::new(graph, x, vec![y, z]).with_fuel(field.fuel())
 }
 
 #[cfg(test)]

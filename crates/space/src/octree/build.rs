@@ -1,10 +1,11 @@
 //! Dividing cells.
 
+use super::pieces::{MOST, Operand, Piece, Shape};
 use super::{Cell, Facet, LEVELS, Node, Octree, Place, Programs};
-use fieldstone_field::{F64, Interval, Intervals, LANES, Tape, Workspace};
+use fieldstone_field::{CodeKey, Combination, F64, Interval, Intervals, LANES, SetStep, Tape, Workspace};
 use rustc_hash::FxHashMap;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, PoisonError};
 use typed_arena::Arena;
 
 /// Programs that keep more than this part of their instructions are not worth a copy of their own.
@@ -17,6 +18,8 @@ const SMALL_FROM: usize = 1;
 /// Slopes of more instructions than this, of which less than one in so many is a choice, are looked at later.
 const MANY_SLOPES: usize = 512;
 const RARE: usize = 10;
+/// Cells are not taken apart into operands of more instructions, because a program of slopes is made for each.
+const LONGEST_OPERAND: usize = 4096;
 /// About how many bytes an instruction takes, in both of its forms.
 const INSTRUCTION_BYTES: usize = 112;
 
@@ -45,36 +48,38 @@ impl Builder {
         let set = |is: &dyn Fn(usize) -> bool| (0..64).fold(0u64, |set, i| set | u64::from(is(i)) << i);
         let (mut outside, mut inside) = (set(&|i| lo[i] > 0.0), set(&|i| hi[i] < 0.0));
         let open: Numbers = all.into_iter().filter(|&i| (outside | inside) >> i & 1 == 0).collect();
-        let facets = self.facets(tree, cell, place, &open);
-        let half = tree.half(place);
-        for (&number, facet) in open.iter().zip(&facets) {
-            match facet.map(|facet| facet.range(half)) {
-                Some((lo, _)) if lo > 0.0 => outside |= 1 << number,
-                Some((_, hi)) if hi < 0.0 => inside |= 1 << number,
-                _ => {}
+        let mut values = Vec::new();
+        let shapes = if tree.is_composite {
+            values = self.shortened(value, &self.boxes, open.iter().copied());
+            self.combinations(tree, place, &open, &values)
+        } else {
+            self.facets(tree, cell, place, &open)
+        };
+        for (&number, shape) in open.iter().zip(&shapes) {
+            if let Shape::Decided(is_inside) = shape {
+                *(if *is_inside { &mut inside } else { &mut outside }) |= 1 << number;
             }
         }
-        let kept: Vec<(usize, Option<Facet>)> = (0..open.len())
-            .filter(|&i| (outside | inside) >> open[i] & 1 == 0)
-            .map(|i| (i, facets[i]))
-            .collect();
-        let values = self.shortened(&cell.programs.value, &self.boxes, kept.iter().map(|&(i, _)| open[i]));
+        let is_kept = |i: &usize| (outside | inside) >> open[*i] & 1 == 0;
+        let kept: Vec<usize> = (0..open.len()).filter(is_kept).collect();
+        let values: Vec<Arc<Tape>> = if tree.is_composite {
+            kept.iter().map(|&i| values[i].clone()).collect()
+        } else {
+            self.shortened(value, &self.boxes, kept.iter().map(|&i| open[i]))
+        };
         let leaves: Vec<bool> = kept
             .iter()
             .zip(&values)
-            .map(|(&(_, facet), shorter)| is_leaf(cell, place.level, facet, shorter))
+            .map(|(&i, shorter)| is_leaf(cell, place.level, &shapes[i], shorter))
             .collect();
-        let divided = kept.iter().zip(&leaves).filter(|(_, leaf)| !**leaf).map(|(&(i, _), _)| i as u32);
-        let mut slopes = match &cell.programs.slopes {
-            Some(tape) if is_due(tape, place.level) => {
-                self.shortened(tape, &self.slopes, divided).into_iter().map(Some).collect()
-            }
-            kept => vec![kept.clone(); divided.count()],
-        }
-        .into_iter();
-        let cells = kept.iter().zip(values).zip(leaves).map(|((&(_, facet), value), is_leaf)| Cell {
+        let mut slopes = self.slopes_below(cell, place, &kept, &leaves).into_iter();
+        let mut shapes: Vec<Option<Shape>> = shapes.into_iter().map(Some).collect();
+        let cells = kept.iter().zip(values).zip(leaves).map(|((&i, value), is_leaf)| Cell {
             programs: Programs { value, slopes: if is_leaf { None } else { slopes.next().flatten() } },
-            facet,
+            pieces: match shapes[i].take() {
+                Some(Shape::Pieces(pieces)) => Some(Box::new(pieces)),
+                _ => None,
+            },
             is_leaf,
             below: OnceLock::new(),
         });
@@ -82,27 +87,104 @@ impl Builder {
         Node { outside, inside, open: cells }
     }
 
-    /// What encloses the field in some cells; the slopes of their lanes stay in the workspace.
-    fn facets(&mut self, tree: &Octree, cell: &Cell, place: Place, open: &[u32]) -> Vec<Option<Facet>> {
-        let is_due = |tape: &&Arc<Tape>| is_due(tape, place.level);
-        let Some(tape) = cell.programs.slopes.as_ref().filter(is_due) else {
-            return vec![None; open.len()];
+    /// The slopes for what is divided further, in order; `kept` are lanes of the last evaluation of slopes.
+    fn slopes_below(
+        &self,
+        cell: &Cell,
+        place: Place,
+        kept: &[usize],
+        leaves: &[bool],
+    ) -> Vec<Option<Arc<Tape>>> {
+        let divided = kept.iter().zip(leaves).filter(|(_, leaf)| !**leaf).map(|(&i, _)| i as u32);
+        match &cell.programs.slopes {
+            Some(tape) if is_due(tape, place.level) => {
+                self.shortened(tape, &self.slopes, divided).into_iter().map(Some).collect()
+            }
+            kept => vec![kept.clone(); divided.count()],
+        }
+    }
+
+    /// What the slopes of the whole field say of some cells; those of their lanes stay in the workspace.
+    fn facets(&mut self, tree: &Octree, cell: &Cell, place: Place, open: &[u32]) -> Vec<Shape> {
+        let Some(tape) = &cell.programs.slopes else {
+            return vec![Shape::Rough; open.len()];
         };
-        if open.is_empty() {
+        if !is_due(tape, place.level) {
+            return vec![Shape::Later; open.len()];
+        }
+        let value = &cell.programs.value;
+        let half = tree.half(place);
+        let facets = self.facets_of((tree, place), open, value, tape);
+        let shape = |facet: Option<Facet>| facet.map_or(Shape::Rough, |f| Shape::of_facet(f, value, half));
+        facets.into_iter().map(shape).collect()
+    }
+
+    /// What the operands of the set operations, with which the programs of some cells end, say of them.
+    fn combinations(
+        &mut self,
+        tree: &Octree,
+        place: Place,
+        open: &[u32],
+        values: &[Arc<Tape>],
+    ) -> Vec<Shape> {
+        let mut known: FxHashMap<*const Tape, Option<(Vec<Arc<Operand>>, Vec<SetStep>)>> =
+            FxHashMap::default();
+        for value in values {
+            known.entry(Arc::as_ptr(value)).or_insert_with(|| tree.combination(value));
+        }
+        let combination = |i: usize| known[&Arc::as_ptr(&values[i])].as_ref();
+        // Each operand is evaluated in all cells that it matters to at once.
+        let mut users: FxHashMap<*const Operand, (&Arc<Operand>, Vec<usize>)> = FxHashMap::default();
+        for i in 0..open.len() {
+            for operand in combination(i).into_iter().flat_map(|(operands, _)| operands) {
+                users.entry(Arc::as_ptr(operand)).or_insert((operand, Vec::new())).1.push(i);
+            }
+        }
+        let mut facets: FxHashMap<(*const Operand, usize), Option<Facet>> = FxHashMap::default();
+        for (key, (operand, cells)) in users {
+            let numbers: Numbers = cells.iter().map(|&i| open[i]).collect();
+            let found = match &operand.slopes {
+                Some(slopes) => self.facets_of((tree, place), &numbers, &operand.value, slopes),
+                None => vec![None; cells.len()],
+            };
+            facets.extend(cells.into_iter().map(|i| (key, i)).zip(found));
+        }
+        let half = tree.half(place);
+        let shape = |i: usize| {
+            let Some((operands, steps)) = combination(i) else { return Shape::Later };
+            let piece = |operand: &Arc<Operand>| {
+                let facet = facets[&(Arc::as_ptr(operand), i)]?;
+                Some(Piece { facet, program: operand.value.clone() })
+            };
+            let pieces: Option<Vec<Piece>> = operands.iter().map(piece).collect();
+            pieces.map_or(Shape::Rough, |pieces| Shape::of_operands(pieces, steps, half))
+        };
+        (0..open.len()).map(shape).collect()
+    }
+
+    /// What encloses a program in some cells; its slopes stay in the workspace.
+    fn facets_of(
+        &mut self,
+        (tree, place): (&Octree, Place),
+        numbers: &[u32],
+        value: &Tape,
+        slopes: &Tape,
+    ) -> Vec<Option<Facet>> {
+        if numbers.is_empty() {
             return Vec::new();
         }
-        tree.fill_boxes(&mut self.slopes, place, open);
-        self.slopes.run_traced(tape, open.len());
+        tree.fill_boxes(&mut self.slopes, place, numbers);
+        self.slopes.run_traced(slopes, numbers.len());
         let half = tree.half(place);
-        for (lane, &number) in open.iter().enumerate() {
+        for (lane, &number) in numbers.iter().enumerate() {
             let centre = tree.centre(place, number);
             for (axis, &x) in centre.iter().enumerate() {
                 self.centres.input(axis, 0)[lane] = x;
                 self.centres.input(axis, 1)[lane] = x;
             }
         }
-        self.centres.run(&cell.programs.value, open.len());
-        self.evaluations += 2 * open.len() as u64;
+        self.centres.run(value, numbers.len());
+        self.evaluations += 2 * numbers.len() as u64;
         let range = |workspace: &Workspace<F64, Intervals>, output: usize, lane: usize| Interval {
             lo: workspace.output(output, 0)[lane],
             hi: workspace.output(output, 1)[lane],
@@ -111,7 +193,7 @@ impl Builder {
             let slopes = [0, 1, 2].map(|axis| range(&self.slopes, axis, lane));
             Facet::new(tree.centre(place, number), half, range(&self.centres, 0, lane), slopes)
         };
-        open.iter().enumerate().map(facet).collect()
+        numbers.iter().enumerate().map(facet).collect()
     }
 
     /// A program shortened to what some lanes of an evaluation left open; lanes that chose alike share one.
@@ -148,17 +230,43 @@ fn is_due(slopes: &Tape, level: usize) -> bool {
 }
 
 /// Whether a cell need not be divided.
-fn is_leaf(parent: &Cell, level: usize, facet: Option<Facet>, shorter: &Arc<Tape>) -> bool {
+fn is_leaf(parent: &Cell, level: usize, shape: &Shape, shorter: &Tape) -> bool {
     let progress = (shorter.len() as f64) < PROGRESS * parent.programs.value.len() as f64;
-    match facet {
+    match shape {
         _ if level + 1 == LEVELS => true,
-        Some(facet) => facet.is_close(),
-        // Nothing is known of the slopes, and that will not change.
-        None => level >= SMALL_FROM && !progress,
+        Shape::Pieces(pieces) => pieces.are_close(),
+        Shape::Rough => level >= SMALL_FROM && !progress,
+        Shape::Later | Shape::Decided(_) => false,
     }
 }
 
 impl Octree {
+    /// The set operations with which a program of a cell ends, if they have few operands of moderate length.
+    fn combination(&self, program: &Tape) -> Option<(Vec<Arc<Operand>>, Vec<SetStep>)> {
+        let Combination { operands, steps } = program.combination(MOST)?;
+        let is_long = |operand: &Tape| operand.len() > LONGEST_OPERAND;
+        if operands.iter().any(is_long) {
+            return None;
+        }
+        let operands: Option<Vec<Arc<Operand>>> =
+            operands.into_iter().map(|operand| Some(self.operand(operand.code_key()?, operand))).collect();
+        Some((operands?, steps))
+    }
+
+    /// An operand, made if nobody did before.
+    fn operand(&self, key: CodeKey, program: Tape) -> Arc<Operand> {
+        // A panic of another thread leaves the table as it was.
+        let table = || self.operands.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = table().get(&key) {
+            return known.clone();
+        }
+        // Not under the lock: two threads may both make it, and one is kept.
+        let operand = Arc::new(Operand::new(program));
+        let length = operand.value.len() + operand.slopes.as_ref().map_or(0, Tape::len);
+        self.memory.fetch_add(size_of::<Operand>() + length * INSTRUCTION_BYTES, Ordering::Relaxed);
+        table().entry(key).or_insert(operand).clone()
+    }
+
     /// What an open cell is divided into; made anew, in the arena, if there is no more room to keep it.
     pub(super) fn node<'c>(
         &self,
@@ -218,6 +326,7 @@ impl Node {
                 }
             }
         }
-        size_of::<Self>() + self.open.len() * size_of::<Cell>() + instructions * INSTRUCTION_BYTES
+        let pieces: usize = self.open.iter().flat_map(|cell| &cell.pieces).map(|pieces| pieces.bytes()).sum();
+        size_of::<Self>() + self.open.len() * size_of::<Cell>() + pieces + instructions * INSTRUCTION_BYTES
     }
 }

@@ -43,10 +43,19 @@ impl Facet {
     }
 
     /// Bounds of the field in the cell.
-    pub(super) fn range(&self, half: [f64; 3]) -> (f64, f64) {
+    fn range(&self, half: [f64; 3]) -> (f64, f64) {
         let sway: f64 = (0..3).map(|axis| self.gradient[axis].abs() * half[axis]).sum();
         let reach = (sway + self.error) * (1.0 + ROUNDING);
         (self.value - reach, self.value + reach)
+    }
+
+    /// Whether the field is certainly negative (`true`) or certainly positive all over the cell.
+    pub(super) fn sign(&self, half: [f64; 3]) -> Option<bool> {
+        match self.range(half) {
+            (lo, _) if lo > 0.0 => Some(false),
+            (_, hi) if hi < 0.0 => Some(true),
+            _ => None,
+        }
     }
 
     /// Whether the field is certainly negative (`true`) or certainly positive at a point of the cell.
@@ -56,6 +65,12 @@ impl Facet {
         // Roundings of the sum are far below those that the error has room for.
         let error = self.error * (1.0 + ROUNDING) + ROUNDING * value.abs();
         (value.abs() > error).then_some(value < 0.0)
+    }
+
+    /// Whether the slopes are the same all over, but for roundings.
+    pub(super) fn is_flat(&self) -> bool {
+        let size = self.gradient.into_iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+        self.radius.into_iter().all(|r| r <= ROUNDING * size)
     }
 
     /// Whether the slopes lie so close together that nearly all rays need nothing else.

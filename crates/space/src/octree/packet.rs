@@ -22,20 +22,27 @@ pub(super) struct Packet {
     pub(super) end: Lanes,
 }
 
-/// Where rays cross a cell, and what its facet says of them.
+/// Where rays cross a cell.
 #[derive(Debug)]
 pub(super) struct Crossing {
-    /// The part of each ray in the cell, shortened to where its facet leaves a root possible.
     pub(super) enter: Lanes,
     pub(super) exit: Lanes,
+    /// The part of rays in which there may be roots that facets do not settle.
     pub(super) from: Lanes,
     pub(super) to: Lanes,
-    /// The slope of the field along each ray is within `spread` of this.
+}
+
+/// What a facet says of rays that cross its cell.
+#[derive(Debug)]
+pub(super) struct Face {
+    /// The part of each ray in the cell where the facet leaves a root possible; not shortened where it knows no slope.
+    pub(super) from: Lanes,
+    pub(super) to: Lanes,
+    /// The slope along each ray is within `spread` of this.
     pub(super) slope: Lanes,
     pub(super) spread: Lanes,
-    /// The facet where the ray enters, and its error.
+    /// The facet where the ray enters.
     pub(super) first: Lanes,
-    pub(super) error: Lanes,
 }
 
 /// What the rays of a packet have in common: bounds of their origins, of one over their directions, and of t.
@@ -249,7 +256,13 @@ impl Packet {
 
     /// What a facet says of the rays of a set in its cell: the sets of those along which the field is certainly positive,
     /// certainly negative, and certainly monotone.
-    pub(super) fn face(&self, level: Level, set: u64, facet: &Facet, crossing: &mut Crossing) -> [u64; 3] {
+    pub(super) fn face(
+        &self,
+        level: Level,
+        set: u64,
+        facet: &Facet,
+        (crossing, into): (&Crossing, &mut Face),
+    ) -> [u64; 3] {
         wide(
             level,
             #[inline(always)]
@@ -257,7 +270,7 @@ impl Packet {
                 let mut sets = [0; 3];
                 for chunk in 0..LANES / CHUNK {
                     if is_busy(set, chunk) {
-                        let [a, b, c] = self.face_chunk(chunk, facet, crossing);
+                        let [a, b, c] = self.face_chunk((chunk, set), facet, crossing, into);
                         sets = [sets[0] | a, sets[1] | b, sets[2] | c];
                     }
                 }
@@ -267,7 +280,13 @@ impl Packet {
     }
 
     #[inline(always)]
-    fn face_chunk(&self, chunk: usize, facet: &Facet, crossing: &mut Crossing) -> [u64; 3] {
+    fn face_chunk(
+        &self,
+        (chunk, set): (usize, u64),
+        facet: &Facet,
+        crossing: &Crossing,
+        into: &mut Face,
+    ) -> [u64; 3] {
         let (mut base, mut slope, mut spread) = ([facet.value; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
         for axis in 0..3 {
             let (g, r, c) = (facet.gradient[axis], facet.radius[axis], facet.centre[axis]);
@@ -279,49 +298,58 @@ impl Packet {
             }
         }
         let (enter, exit) = (load(&crossing.enter, chunk), load(&crossing.exit, chunk));
-        let (mut first, mut last, mut error) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
-        let (mut from, mut to) = (enter, exit);
+        let (mut first, mut error) = ([0.0; CHUNK], [0.0; CHUNK]);
         let (mut positive, mut negative, mut monotone) = ([0; CHUNK], [0; CHUNK], [0; CHUNK]);
         for i in 0..CHUNK {
+            first[i] = base[i] + slope[i] * enter[i];
+            let last = base[i] + slope[i] * exit[i];
             // More than all roundings up to here.
             let size = base[i].abs() + (slope[i] * exit[i]).abs() + (slope[i] * enter[i]).abs();
             error[i] = facet.error + 32.0 * f64::EPSILON * (size + facet.value.abs());
-            first[i] = base[i] + slope[i] * enter[i];
-            last[i] = base[i] + slope[i] * exit[i];
-            let (low, high) = if first[i] < last[i] { (first[i], last[i]) } else { (last[i], first[i]) };
+            let (low, high) = if first[i] < last { (first[i], last) } else { (last, first[i]) };
             positive[i] = u8::from(low > error[i]);
             negative[i] = u8::from(high < -error[i]);
+        }
+        let (positive, negative) = (set_of(positive, chunk), set_of(negative, chunk));
+        if set & !(positive | negative) & 0xff << (CHUNK * chunk) == 0 {
+            return [positive, negative, 0];
+        }
+        let (mut from, mut to) = (enter, exit);
+        for i in 0..CHUNK {
             monotone[i] = u8::from(slope[i].abs() > spread[i] * (1.0 + 1e-9));
-            let (middle, reach) = (-base[i] / slope[i], error[i] / slope[i].abs());
-            let reach = reach * (1.0 + 1e-9) + 1e-15 * middle.abs();
+            let inverse = 1.0 / slope[i];
+            let (middle, reach) = (-base[i] * inverse, error[i] * inverse.abs());
+            let reach = reach * (1.0 + 1e-9) + 2e-15 * middle.abs();
             let (a, b) = (middle - reach, middle + reach);
             // Comparisons with NaN are false: without a slope nothing is shortened.
             from[i] = if a > enter[i] { a } else { enter[i] };
             to[i] = if b < exit[i] { b } else { exit[i] };
         }
-        store(&mut crossing.slope, chunk, slope);
-        store(&mut crossing.spread, chunk, spread);
-        store(&mut crossing.first, chunk, first);
-        store(&mut crossing.error, chunk, error);
-        store(&mut crossing.from, chunk, from);
-        store(&mut crossing.to, chunk, to);
-        [set_of(positive, chunk), set_of(negative, chunk), set_of(monotone, chunk)]
+        store(&mut into.slope, chunk, slope);
+        store(&mut into.spread, chunk, spread);
+        store(&mut into.first, chunk, first);
+        store(&mut into.from, chunk, from);
+        store(&mut into.to, chunk, to);
+        [positive, negative, set_of(monotone, chunk)]
     }
 }
 
 impl Crossing {
     pub(super) fn new() -> Self {
         let zero = [0.0; LANES];
-        Self {
-            enter: zero,
-            exit: zero,
-            from: zero,
-            to: zero,
-            slope: zero,
-            spread: zero,
-            first: zero,
-            error: zero,
-        }
+        Self { enter: zero, exit: zero, from: zero, to: zero }
+    }
+
+    /// There may be roots in all of the cell.
+    pub(super) fn leave_whole(&mut self, lane: usize) {
+        (self.from[lane], self.to[lane]) = (self.enter[lane], self.exit[lane]);
+    }
+}
+
+impl Face {
+    pub(super) fn new() -> Self {
+        let zero = [0.0; LANES];
+        Self { from: zero, to: zero, slope: zero, spread: zero, first: zero }
     }
 }
 

@@ -147,7 +147,7 @@ impl Looker {
         for row in rect.from[1]..rect.to[1] {
             for column in rect.from[0]..rect.to[0] {
                 let (point, place) = (look.lattice.point(column, row), look.place(column, row));
-                match cell.facet.and_then(|facet| facet.side(point)) {
+                match cell.pieces.as_ref().and_then(|pieces| pieces.side(point)) {
                     Some(inside) => look.inside[place] = inside,
                     None => self.open.push((place, point)),
                 }

@@ -13,6 +13,16 @@ pub(super) fn sign_form(field: &Field) -> Field {
     Field::new(graph, value, Vec::new()).with_fuel(field.fuel())
 }
 
+/// Whether a field is a minimum or a maximum.
+pub(super) fn is_set_operation(field: &Field) -> bool {
+    let graph = field.graph();
+    let mut node = field.value();
+    while let Node::Unary(Unary::Neg, a) = graph.node(node) {
+        node = *a;
+    }
+    matches!(graph.node(node), Node::Binary(Binary::Min | Binary::Max, ..))
+}
+
 #[derive(Default)]
 struct Signs {
     known: HashMap<NodeId, NodeId>,

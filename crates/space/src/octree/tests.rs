@@ -1,5 +1,6 @@
 use super::packet::ORDER;
 use super::*;
+use fieldstone_field::{F64, Points, Workspace};
 use fieldstone_lang::{Source, parse_formula};
 use fieldstone_trace::{Certificate, Outcome, Ray, Settings, Tracer};
 
@@ -183,6 +184,22 @@ fn each_cell(cell: &Cell, place: Place, visit: &mut impl FnMut(Place, u32, Resul
     }
 }
 
+fn value_of(program: &Tape, p: [f64; 3]) -> f64 {
+    let mut points = Workspace::<F64, Points>::new();
+    (0..3).for_each(|axis| points.input(axis, 0)[0] = p[axis]);
+    points.run(program, 1);
+    points.output(0, 0)[0]
+}
+
+/// A facet encloses the values of its program at two points of its cell, and the slope between them.
+fn check_facet(text: &str, facet: &Facet, (p, q): ([f64; 3], [f64; 3]), [f, g]: [f64; 2]) {
+    let along = |p: [f64; 3], q: [f64; 3]| -> f64 { (0..3).map(|i| facet.gradient[i] * (p[i] - q[i])).sum() };
+    assert!((f - facet.value - along(p, facet.centre)).abs() <= facet.error, "{text} {p:?}");
+    let spread: f64 = (0..3).map(|i| facet.radius[i] * (p[i] - q[i]).abs()).sum();
+    let rise = f - g - along(p, q);
+    assert!(rise.abs() <= spread + 1e-12 * (1.0 + f.abs()), "{text} {p:?} {q:?}");
+}
+
 #[test]
 fn what_cells_say_holds_all_over_them() {
     let mut state = 5;
@@ -204,23 +221,23 @@ fn what_cells_say_holds_all_over_them() {
             };
             for _ in 0..4 {
                 let (p, q) = (point(), point());
-                let (f, g) = (at(p), at(q));
+                let f = at(p);
                 match cell {
                     Err(inside) => {
                         checked[0] += 1;
                         assert!(if inside { f < 0.0 } else { f > 0.0 || f.is_nan() }, "{text} {p:?}: {f}");
                     }
                     Ok(cell) => {
-                        let Some(facet) = &cell.facet else { continue };
-                        checked[1] += 1;
-                        let d = |p: [f64; 3], q: [f64; 3], v: &[f64; 3]| -> f64 {
-                            (0..3).map(|i| v[i] * (p[i] - q[i])).sum()
-                        };
-                        let plane = facet.value + d(p, facet.centre, &facet.gradient);
-                        assert!((f - plane).abs() <= facet.error, "{text} {p:?}");
-                        let spread: f64 = (0..3).map(|i| facet.radius[i] * (p[i] - q[i]).abs()).sum();
-                        let rise = f - g - d(p, q, &facet.gradient);
-                        assert!(rise.abs() <= spread + 1e-12 * (1.0 + f.abs()), "{text} {p:?} {q:?}");
+                        let Some(pieces) = &cell.pieces else { continue };
+                        let mut negative = 0;
+                        for (k, piece) in pieces.list().iter().enumerate() {
+                            checked[1] += 1;
+                            let values = [p, q].map(|p| value_of(&piece.program, p));
+                            negative |= u32::from(values[0] < 0.0) << k;
+                            check_facet(text, &piece.facet, (p, q), values);
+                        }
+                        assert_eq!(pieces.is_inside(negative), f < 0.0, "{text} {p:?}");
+                        assert!(pieces.side(p).is_none_or(|inside| inside == (f < 0.0)), "{text} {p:?}");
                     }
                 }
             }

@@ -5,7 +5,9 @@
 //! are not outside.
 
 use super::build::Builder;
-use super::packet::{Common, Crossing, ORDER, Packet, flip, lanes_of};
+use super::packet::{Common, Crossing, Face, ORDER, Packet, flip, lanes_of};
+use super::pieces::MOST;
+use super::settle::{Doubtful, End};
 use super::solve::{Solve, Solver, Target};
 use super::{Cell, LEVELS, Node, Octree, Place};
 use fearless_simd::Level;
@@ -16,14 +18,12 @@ use typed_arena::Arena;
 /// Rays that start further away than so many times the size begin anew where they start, so that numbers stay small.
 const FAR: f64 = 64.0;
 
-/// So many rays of a packet must want an open cell at each level to be divided; fewer are marched through it. It does not
-/// matter whether it has been divided before, since what rays find must not depend on others.
-const WORTH_DIVIDING: [u32; LEVELS] = [1, 6, 12, 1];
-
-/// Rays are marched with the program of the node around a cell if it has at most so many times as many instructions, and
-/// so many more.
-const LONGER: usize = 2;
-const FEW_INSTRUCTIONS: usize = 12;
+/// The rays of a packet that want an open cell at each level to be divided, times the instructions of its program, are
+/// at least so many; fewer are marched through it. It does not matter whether it has been divided before, since what
+/// rays find must not depend on others.
+const WORTH_DIVIDING: [usize; LEVELS] = [0, 250, 500, 0];
+/// Each ray costs as much as so many instructions besides.
+const RAY_INSTRUCTIONS: usize = 16;
 
 /// What a thread needs to walk; keeps its memory between calls.
 #[derive(Debug)]
@@ -31,12 +31,15 @@ pub struct Walker {
     builder: Builder,
     solver: Solver,
     tracer: Tracer,
-    points: Workspace<F64, Points>,
-    packet: Box<Packet>,
-    crossing: Box<Crossing>,
+    pub(super) points: Workspace<F64, Points>,
+    pub(super) packet: Box<Packet>,
+    pub(super) crossing: Box<Crossing>,
+    /// What each piece of a cell says.
+    pub(super) faces: Box<[Face; MOST]>,
     parts: Vec<Part>,
-    lanes: Vec<usize>,
-    level: Level,
+    pub(super) lanes: Vec<usize>,
+    pub(super) ends: Vec<End>,
+    pub(super) level: Level,
 }
 
 impl Default for Walker {
@@ -48,61 +51,67 @@ impl Default for Walker {
             points: Workspace::new(),
             packet: Box::new(Packet::new()),
             crossing: Box::new(Crossing::new()),
+            faces: Box::new(std::array::from_fn(|_| Face::new())),
             parts: Vec::new(),
             lanes: Vec::new(),
+            ends: Vec::new(),
             level: Level::new(),
         }
     }
 }
 
 /// What a call walks with.
-struct Walk<'w> {
+pub(super) struct Walk<'w> {
     tree: &'w Octree,
     /// Nodes that the tree has no room for.
     arena: &'w Arena<Node>,
-    settings: &'w Settings,
-    outcomes: Vec<Outcome>,
+    pub(super) settings: &'w Settings,
+    pub(super) outcomes: Vec<Outcome>,
+    /// The gradients at hits, if they are wanted.
+    pub(super) gradients: Option<&'w mut [[f64; 3]]>,
     /// Rays with a root in a bracket.
-    solves: Vec<Solve<'w>>,
-    /// Rays whose hits have been found.
-    hits: Vec<Target<'w>>,
+    pub(super) solves: Vec<Solve<'w>>,
+    /// Rays whose hits have been found, but not their gradients.
+    pub(super) hits: Vec<Target<'w>>,
     /// Rays that are to be marched through a cell before they walk on.
-    pending: Vec<Pending<'w>>,
+    pub(super) pending: Vec<Pending<'w>>,
+    /// Rays of which the value where they leave a cell says whether they have a root in it.
+    pub(super) doubtful: Vec<Doubtful<'w>>,
     /// Which rays the lanes of the packet are.
-    places: [usize; LANES],
+    pub(super) places: [usize; LANES],
     octant: usize,
 }
 
 /// A ray that sets out, or that walks on.
 #[derive(Clone, Copy, Debug)]
-struct Start {
-    place: usize,
+pub(super) struct Start {
+    pub(super) place: usize,
     /// Where.
-    t: f64,
+    pub(super) t: f64,
     /// Whether that is inside, if it is known.
-    inside: Option<bool>,
+    pub(super) inside: Option<bool>,
 }
 
 /// A part of a ray that is to be marched.
 #[derive(Clone, Copy, Debug)]
-struct Pending<'w> {
-    target: Target<'w>,
+pub(super) struct Pending<'w> {
+    pub(super) target: Target<'w>,
     /// From where to where, and where the cell ends.
-    part: (f64, f64),
-    exit: f64,
-    inside: Option<bool>,
+    pub(super) part: (f64, f64),
+    pub(super) exit: f64,
+    pub(super) inside: Option<bool>,
 }
 
 /// The rays of a packet that are on their way.
 #[derive(Clone, Copy, Debug)]
-struct Flock {
+pub(super) struct Flock {
     /// Those that have found nothing yet.
-    active: u64,
+    pub(super) active: u64,
     /// Those of which it is known on which side of the surface they are. A ray of which it is not known has crossed but
     /// cells that are outside.
-    known: u64,
+    pub(super) known: u64,
     /// Those that are inside.
-    inside: u64,
+    pub(super) inside: u64,
 }
 
 impl Walker {
@@ -184,9 +193,11 @@ impl Octree {
             arena: &arena,
             settings,
             outcomes: vec![Outcome::nothing(); rays.len()],
+            gradients,
             solves: Vec::with_capacity(rays.len()),
             hits: Vec::new(),
             pending: Vec::new(),
+            doubtful: Vec::new(),
             places: [0; LANES],
             octant: 0,
         };
@@ -198,8 +209,11 @@ impl Octree {
                 walker.walk_packet(&mut walk, rays, starts);
             }
             starts = walker.march_pending(&mut walk, rays);
+            walker.settle_doubtful(&mut walk, rays, &mut starts);
+            // Neighbours stay together, in whatever order they came.
+            starts.sort_unstable_by_key(|start| start.place);
         }
-        let Walk { mut outcomes, mut solves, hits, .. } = walk;
+        let Walk { mut outcomes, gradients, mut solves, hits, .. } = walk;
         let width = settings.tolerance * settings.size;
         walker.solver.run(&mut solves, rays, width, &mut outcomes);
         if let Some(gradients) = gradients {
@@ -211,7 +225,7 @@ impl Octree {
 }
 
 impl Walk<'_> {
-    fn outcome(&mut self, lane: usize) -> &mut Outcome {
+    pub(super) fn outcome(&mut self, lane: usize) -> &mut Outcome {
         &mut self.outcomes[self.places[lane]]
     }
 }
@@ -269,8 +283,6 @@ impl Walker {
                 }
             });
         }
-        // Neighbours stay together, in whatever order they came.
-        starts.sort_unstable_by_key(|start| start.place);
         pending.clear();
         walk.pending = pending;
         starts
@@ -349,13 +361,16 @@ impl Walker {
                 continue;
             }
             let cell = node.cell(number);
-            let set = self.settle(walk, cell, set, flock);
+            let work = |set: u64| set.count_ones() as usize * (cell.programs.value.len() + RAY_INSTRUCTIONS);
+            let set = match &cell.pieces {
+                Some(pieces) => self.settle(walk, (cell, pieces), set, flock),
+                None => set,
+            };
             if set == 0 {
                 continue;
             }
-            let are_few = set.count_ones() < WORTH_DIVIDING[place.level];
-            if cell.is_leaf || are_few {
-                self.postpone(walk, (&cell.programs.value, program), set, flock);
+            if cell.is_leaf || work(set) < WORTH_DIVIDING[place.level] {
+                self.postpone(walk, (cell, program), set, flock);
             } else if 4 * set.count_ones() <= 3 * flock.active.count_ones() {
                 let mut some = Flock { active: set, ..*flock };
                 let common = self.packet.common(self.level, set);
@@ -370,7 +385,7 @@ impl Walker {
     }
 
     /// Lets rays pass the part of a cell, from where they enter it, in which the sign is proved.
-    fn pass<'w>(
+    pub(super) fn pass<'w>(
         &mut self,
         walk: &mut Walk<'w>,
         program: &'w Tape,
@@ -403,154 +418,16 @@ impl Walker {
     }
 
     /// A ray of which nothing is known, and which does not start in this cell, comes from outside.
-    fn meet_start(&self, lane: usize, enter: f64, flock: &mut Flock) {
+    pub(super) fn meet_start(&self, lane: usize, enter: f64, flock: &mut Flock) {
         if flock.known >> lane & 1 == 0 && enter > self.packet.start[lane] {
             flock.known |= 1 << lane;
-        }
-    }
-
-    /// Settles what the facet of an open cell can; the set of rays that need a closer look.
-    fn settle<'w>(&mut self, walk: &mut Walk<'w>, cell: &'w Cell, set: u64, flock: &mut Flock) -> u64 {
-        let Some(facet) = &cell.facet else {
-            self.crossing.from = self.crossing.enter;
-            self.crossing.to = self.crossing.exit;
-            return set;
-        };
-        let [positive, negative, monotone] = self.packet.face(self.level, set, facet, &mut self.crossing);
-        // Most rays come from outside, and stay there.
-        let stay = positive & flock.known & !flock.inside;
-        let set = set & !stay;
-        if set == 0 {
-            return 0;
-        }
-        let program: &Tape = &cell.programs.value;
-        self.pass(walk, program, (set & positive, false), flock);
-        self.pass(walk, program, (set & negative, true), flock);
-        let open = set & !(positive | negative) & flock.active;
-        lanes_of(open & !flock.known)
-            .for_each(|lane| self.meet_start(lane, self.crossing.enter[lane], flock));
-        if cell.is_leaf {
-            self.find_starts(walk, program, open & !flock.known, flock);
-        }
-        let monotone = monotone & flock.known;
-        self.find_roots(walk, cell, open & flock.active & monotone, flock);
-        open & flock.active & !monotone
-    }
-
-    /// The side on which rays start that start in this cell, by the value there.
-    fn find_starts(&mut self, walk: &mut Walk<'_>, program: &Tape, set: u64, flock: &mut Flock) {
-        if set == 0 {
-            return;
-        }
-        self.lanes.clear();
-        self.lanes.extend(lanes_of(set));
-        self.evaluate(program, |walker, lane| walker.packet.start[lane]);
-        for (i, &lane) in self.lanes.iter().enumerate() {
-            let value = self.points.output(0, 0)[i];
-            walk.outcome(lane).cost += 1;
-            if value.is_nan() {
-                walk.outcome(lane).certificate = Certificate::Undecided;
-            }
-            flock.start(lane, value < 0.0, walk);
-        }
-    }
-
-    /// Evaluates a program at one place of each ray in the list of lanes.
-    fn evaluate(&mut self, program: &Tape, place: impl Fn(&Self, usize) -> f64) {
-        for i in 0..self.lanes.len() {
-            let lane = self.lanes[i];
-            let t = place(self, lane);
-            for axis in 0..3 {
-                let x = self.packet.origin[axis][lane] + self.packet.direction[axis][lane] * t;
-                self.points.input(axis, 0)[i] = x;
-            }
-        }
-        self.points.run(program, self.lanes.len());
-    }
-
-    /// Rays along which the field is monotone: one root, or none.
-    fn find_roots<'w>(&mut self, walk: &mut Walk<'w>, cell: &'w Cell, set: u64, flock: &mut Flock) {
-        self.lanes.clear();
-        for lane in lanes_of(set) {
-            let inside = flock.inside >> lane & 1 == 1;
-            let c = &self.crossing;
-            let rises = c.slope[lane] > 0.0;
-            // Certainly on the other side from the start on: the surface runs along the edge of the cell.
-            let wrong = if inside { c.first[lane] > c.error[lane] } else { c.first[lane] < -c.error[lane] };
-            if wrong {
-                self.pass(walk, &cell.programs.value, (1 << lane, !inside), flock);
-            } else if rises == inside {
-                if c.to[lane] < c.exit[lane] {
-                    self.found(walk, cell, lane, flock);
-                } else {
-                    self.lanes.push(lane);
-                }
-            }
-        }
-        if self.lanes.is_empty() {
-            return;
-        }
-        self.evaluate(&cell.programs.value, |walker, lane| walker.crossing.exit[lane]);
-        for i in 0..self.lanes.len() {
-            let (lane, value) = (self.lanes[i], self.points.output(0, 0)[i]);
-            walk.outcome(lane).cost += 1;
-            let inside = flock.inside >> lane & 1 == 1;
-            if (value < 0.0) != inside && !(walk.settings.surface && value == 0.0) {
-                self.found(walk, cell, lane, flock);
-            }
-        }
-    }
-
-    /// There is exactly one root, where the facet leaves it possible.
-    fn found<'w>(&mut self, walk: &mut Walk<'w>, cell: &'w Cell, lane: usize, flock: &mut Flock) {
-        let c = &self.crossing;
-        let (from, to) = (c.from[lane], c.to[lane].max(c.from[lane]));
-        flock.active &= !(1 << lane);
-        if walk.settings.any_hit {
-            let entering = flock.inside >> lane & 1 == 0;
-            let t = 0.5 * (from + to);
-            let hit = Hit { t, before: from, after: to, entering, jump: false, touching: false };
-            return walk.outcome(lane).hit = Some(hit);
-        }
-        walk.solves.push(Solve {
-            target: Target { place: walk.places[lane], program: &cell.programs.value },
-            bracket: (from, to),
-            slope: c.slope[lane],
-            spread: c.spread[lane],
-            guess: c.enter[lane] - c.first[lane] / c.slope[lane],
-        });
-    }
-
-    /// Has rays marched where the facet leaves roots possible, with the program of the cell or, so that more of them
-    /// are marched together, of the one that it is part of.
-    fn postpone<'w>(
-        &mut self,
-        walk: &mut Walk<'w>,
-        (program, around): (&'w Tape, &'w Tape),
-        set: u64,
-        flock: &mut Flock,
-    ) {
-        let is_short = around.len() <= LONGER * program.len() + FEW_INSTRUCTIONS;
-        let program = if is_short { around } else { program };
-        for lane in lanes_of(set) {
-            let (enter, exit) = (self.crossing.enter[lane], self.crossing.exit[lane]);
-            self.meet_start(lane, enter, flock);
-            let known = flock.known >> lane & 1 == 1;
-            let start = if known { self.crossing.from[lane] } else { enter };
-            let part = (start, self.crossing.to[lane]);
-            if part.0 < part.1 {
-                let inside = known.then_some(flock.inside >> lane & 1 == 1);
-                let target = Target { place: walk.places[lane], program };
-                walk.pending.push(Pending { target, part, exit, inside });
-                flock.active &= !(1 << lane);
-            }
         }
     }
 }
 
 impl Flock {
     /// Takes note of the side on which a ray starts.
-    fn start(&mut self, lane: usize, inside: bool, walk: &mut Walk<'_>) {
+    pub(super) fn start(&mut self, lane: usize, inside: bool, walk: &mut Walk<'_>) {
         let bit = 1 << lane;
         self.known |= bit;
         self.inside |= if inside { bit } else { 0 };
