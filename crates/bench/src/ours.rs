@@ -4,7 +4,7 @@ use crate::contest::Contestant;
 use crate::error::BenchError;
 use crate::view::{Lens, Walk};
 use fieldstone::{
-    Bindings, Lattice, LoadOptions, Octree, OctreeOptions, RenderRequest, Scene, Settings, Sight, Stats,
+    Bindings, Lattice, LoadOptions, Octree, OctreeMemory, RenderRequest, Scene, Settings, Sight, Stats,
     Viewer,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -137,7 +137,7 @@ impl Slices {
         let loaded = loaded.map_err(|e| BenchError::model(&name, e))?;
         let field = &loaded.model.field;
         let corners = ([-1.0, -1.0, -0.01], [1.0 + Self::FURTHEST, 1.0, 0.01]);
-        let tree = Octree::new(field, &Bindings::new(), corners, OctreeOptions::default());
+        let tree = Octree::new(field, &Bindings::new(), corners, OctreeMemory::default());
         let operations = field.operation_count();
         let setup = start.elapsed().as_secs_f64();
         Ok(Self { tree, operations, size, pool: pool(threads)?, setup, last: None })

@@ -297,6 +297,9 @@ pub(crate) struct RenderArguments {
     /// How many threads [default: one for each core].
     #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
+    /// About how much memory octrees may take, in MiB [default: 1024]; with less, pictures of large models take longer.
+    #[arg(long, help_heading = METHOD, value_name = "MIB", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) memory: Option<u32>,
     /// Write what was spent, and what the picture rests on, as JSON.
     #[arg(long, help_heading = OUTPUT, value_name = "FILE.json")]
     pub(crate) stats: Option<PathBuf>,

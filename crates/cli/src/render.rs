@@ -186,6 +186,7 @@ fn draw(
     let report = |share| progress.report(share);
     let options = RenderOptions {
         threads: arguments.threads.map(usize::from),
+        memory: arguments.memory.map(|mebibytes| (mebibytes as usize).saturating_mul(1 << 20)),
         progress: Some(&report),
         cancel: Some(interrupt.flag()),
     };

@@ -118,6 +118,39 @@ impl Tape {
             .then(|| CodeKey(instructions.iter().map(key).collect(), arguments.clone(), outputs.clone()))
     }
 
+    /// Whether two tapes without loops, made from one tape or from two that differ in their bindings only, have the same
+    /// instructions.
+    pub fn has_code_of(&self, other: &Tape) -> bool {
+        let (a, b) = (&self.code, &other.code);
+        let is_same = |(i, j): (&Instruction, &Instruction)| {
+            (i.op, i.operands, i.result) == (j.op, j.operands, j.result)
+        };
+        a.loops.is_empty()
+            && b.loops.is_empty()
+            && a.instructions.len() == b.instructions.len()
+            && a.outputs == b.outputs
+            && a.arguments == b.arguments
+            && a.instructions.iter().zip(&b.instructions).all(is_same)
+    }
+
+    /// The inputs that do not vary, with their values; parts of a tape know all those of the whole.
+    pub fn uniforms(&self) -> impl Iterator<Item = (Input, f64)> {
+        self.uniforms.iter().map(|&(input, place)| (input, self.constants[place as usize]))
+    }
+
+    /// Whether a tape without loops reads any of some inputs that do not vary; with loops it may.
+    pub fn reads(&self, inputs: &[Input]) -> bool {
+        let is_read = |operand: &Operand| {
+            let Operand::Constant(place) = *operand else { return false };
+            self.uniforms.iter().any(|&(input, at)| at == place && inputs.contains(&input))
+        };
+        let Code { instructions, loops, arguments, outputs } = &self.code;
+        !loops.is_empty()
+            || outputs.iter().any(is_read)
+            || arguments.iter().flatten().any(is_read)
+            || instructions.iter().flat_map(|i| &i.operands).any(is_read)
+    }
+
     /// The first output as a field of the inputs that vary, in the order of
     /// [`TapeOptions::varying`](crate::TapeOptions::varying); all others have the values that are bound. `None` for tapes
     /// with loops.
@@ -127,7 +160,7 @@ impl Tape {
         }
         let mut graph = Graph::new();
         let mut values: HashMap<u32, NodeId> =
-            (0..self.input_count).map(|i| (i, graph.input(varying[i as usize].clone()))).collect();
+            (0..self.input_count).map(|i| (i, graph.input(varying[i as usize]))).collect();
         for instruction in &self.code.instructions {
             let node = self.node(&mut graph, &values, instruction)?;
             values.insert(instruction.result, node);

@@ -130,7 +130,7 @@ pub struct Tape {
     pub(crate) value_count: u32,
     pub(crate) input_count: u32,
     pub(crate) constants: Arc<Vec<f64>>,
-    uniforms: Arc<Vec<(Input, u32)>>,
+    pub(crate) uniforms: Arc<Vec<(Input, u32)>>,
     pub(crate) functions: Arc<Vec<Arc<dyn Function>>>,
     pub(crate) fuel: u32,
 }

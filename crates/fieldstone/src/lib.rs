@@ -127,7 +127,7 @@ pub use fieldstone_scene::{
 pub use fieldstone_solids::{Interpolation, PointCloud, PointError, Reconstruction, VoxelArray, VoxelError};
 pub use fieldstone_space::{
     Census, DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, Lattice, MeasureOptions, Measures, Octree,
-    OctreeOptions, Walker, solid_bounds,
+    OctreeMemory, Walker, solid_bounds,
 };
 pub use fieldstone_texel::{Fidelity, FileError, Mode, Phong, Sggx, Size, Texel, Volume};
 pub use fieldstone_trace::Certificate;

@@ -52,7 +52,7 @@ struct Lane {
 
 impl Conditions {
     /// Those of a solid whose own program has so many instructions.
-    pub(crate) fn new(solid: &Solid, instructions: usize) -> Self {
+    pub(crate) fn new(solid: &Solid, instructions: usize, memory: &fieldstone_space::OctreeMemory) -> Self {
         let field = solid.field();
         let mut graph = (**field.graph()).clone();
         let mut all = None;
@@ -63,7 +63,7 @@ impl Conditions {
         }
         let all = all.unwrap_or_else(|| graph.constant(-1.0));
         let field = Field::new(graph, all, Vec::new()).with_fuel(field.fuel());
-        let field = Roots::new(&field, solid.bindings(), solid.bounds());
+        let field = Roots::new(&field, solid.bindings(), solid.bounds(), memory);
         let first = field.sign.len() < instructions;
         Self { field, first }
     }

@@ -413,7 +413,8 @@ mod tests {
     }
 
     fn samples(scene: &Scene, many: u32, rays: u32) -> Vec<Sample> {
-        let (prepared, sky) = (Prepared::new(scene), Sky::new(scene));
+        let (prepared, sky) =
+            (Prepared::new(scene, &fieldstone_space::OctreeMemory::default()), Sky::new(scene));
         let integrator = Integrator { many, ..Integrator::new(&prepared, &sky) };
         let direction = DVec3::new(1.0, 0.03, 0.05).normalize();
         let draw = |index| Draw { seed: 7, index, is_first: index == 0 };

@@ -7,8 +7,10 @@ use crate::query::Asker;
 use crate::roots::Roots;
 use fieldstone_field::{F64, Points, Tape, TapeOptions, Workspace};
 use fieldstone_scene::{Method, NORMAL_INPUTS, RaySpan, Scene, Solid};
+use fieldstone_space::OctreeMemory;
 use fieldstone_trace::{Certificate, Outcome, Ray, Settings};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// The step of the sampled method, relative to the longest side of the bounds.
 const DEFAULT_STEP: f64 = 1.0 / 256.0;
@@ -88,9 +90,26 @@ pub(crate) struct Object<'s> {
 }
 
 impl<'s> Object<'s> {
-    pub(crate) fn new(solid: &'s Solid, scene: &Scene, first_part: usize) -> Self {
+    /// The first part of the solid is the one of this number; trees share `memory`. What does not differ from a `former`
+    /// solid, whose bindings were others, is taken over from it.
+    pub(crate) fn new(
+        (solid, first_part): (&'s Solid, usize),
+        scene: &Scene,
+        memory: &OctreeMemory,
+        former: Option<&Object<'_>>,
+    ) -> Self {
         let options = TapeOptions { bindings: solid.bindings().clone(), ..TapeOptions::default() };
-        let roots = Roots::new(solid.field(), solid.bindings(), solid.bounds());
+        let (field, bindings) = (solid.field(), solid.bindings());
+        let is_same = |former: &&Object<'_>| {
+            let (solid, other) = (solid, former.solid);
+            Arc::ptr_eq(field.graph(), other.field().graph())
+                && field.value() == other.field().value()
+                && solid.bounds() == other.bounds()
+        };
+        let roots = match former.filter(is_same) {
+            Some(former) => former.roots.rebound(field, bindings),
+            None => Roots::new(field, bindings, solid.bounds(), memory),
+        };
         let reads_normals = solid.field().inputs().iter().any(|input| NORMAL_INPUTS.contains(input));
         let mut varying = options.varying.clone();
         if reads_normals {
@@ -100,7 +119,8 @@ impl<'s> Object<'s> {
         let coarse = scene.settings().shadow_tolerance;
         let settings = |tolerance| trace_settings(scene, solid, tolerance, roots.sign.has_black_box());
         let (settings, shadow_settings) = (settings(None), settings(coarse));
-        let conditions = (!solid.conditions().is_empty()).then(|| Conditions::new(solid, roots.sign.len()));
+        let conditions =
+            (!solid.conditions().is_empty()).then(|| Conditions::new(solid, roots.sign.len(), memory));
         let owners =
             (solid.parts().len() > 1).then(|| Owners::new(solid, settings.tolerance * settings.size));
         Self {

@@ -9,7 +9,7 @@ use crate::object::{Object, Sought};
 use crate::owner::Bracket;
 use fieldstone_field::{F64, Gradients, LANES, Points, Workspace};
 use fieldstone_scene::{Appearance, Instance, Scene};
-use fieldstone_space::Walker;
+use fieldstone_space::{OctreeMemory, Walker};
 use fieldstone_trace::{Certificate, Tracer};
 use glam::DVec3;
 
@@ -93,12 +93,22 @@ impl Question<'_> {
 }
 
 impl<'s> Prepared<'s> {
-    pub(crate) fn new(scene: &'s Scene) -> Self {
+    /// With trees that share `memory`.
+    pub(crate) fn new(scene: &'s Scene, memory: &OctreeMemory) -> Self {
+        Self::with_former(scene, memory, &[])
+    }
+
+    /// The same scene with other values of the inputs of its solids: what does not depend on them is taken over.
+    pub(crate) fn changed<'n>(&self, scene: &'n Scene, memory: &OctreeMemory) -> Prepared<'n> {
+        Prepared::with_former(scene, memory, &self.objects)
+    }
+
+    fn with_former(scene: &'s Scene, memory: &OctreeMemory, former: &[Object<'_>]) -> Self {
         let mut parts = 0;
-        let objects = scene.solids().iter().map(|solid| {
+        let objects = scene.solids().iter().enumerate().map(|(i, solid)| {
             let first = parts;
             parts += solid.parts().len();
-            Object::new(solid, scene, first)
+            Object::new((solid, first), scene, memory, former.get(i))
         });
         let moved = scene.instances().iter().map(|instance| !instance.is_unmoved()).collect();
         Self { scene, objects: objects.collect(), hierarchy: hierarchy_of(scene), moved }

@@ -3,7 +3,7 @@
 use crate::query::Asker;
 use fieldstone_field::{Bindings, Field, Reading, Tape, TapeOptions};
 use fieldstone_scene::Bounds;
-use fieldstone_space::{Octree, OctreeOptions};
+use fieldstone_space::{Octree, OctreeMemory};
 use fieldstone_trace::{Method, Outcome, Ray, Settings};
 
 /// A field with its program compiled, and the octree that rays of the affine method walk.
@@ -15,11 +15,14 @@ pub(crate) struct Roots {
 }
 
 impl Roots {
-    pub(crate) fn new(field: &Field, bindings: &Bindings, bounds: &Bounds) -> Self {
-        let options = TapeOptions { bindings: bindings.clone(), ..TapeOptions::default() };
-        let sign = Tape::new(field, &TapeOptions { reading: Reading::Sign, ..options });
+    pub(crate) fn new(field: &Field, bindings: &Bindings, bounds: &Bounds, memory: &OctreeMemory) -> Self {
         let corners = (bounds.min().to_array(), bounds.max().to_array());
-        Self { sign, tree: Octree::new(field, bindings, corners, OctreeOptions::default()) }
+        Self { sign: sign_of(field, bindings), tree: Octree::new(field, bindings, corners, memory.clone()) }
+    }
+
+    /// The same field with other values of its inputs; what does not depend on them is taken over.
+    pub(crate) fn rebound(&self, field: &Field, bindings: &Bindings) -> Self {
+        Self { sign: sign_of(field, bindings), tree: self.tree.rebound(bindings) }
     }
 
     /// Whether rays certainly meet nothing whose origins and directions, of any length, lie between the four given; asked
@@ -68,4 +71,9 @@ impl Roots {
         asker.evaluations += asker.walker.shared_cost() - before;
         outcomes
     }
+}
+
+fn sign_of(field: &Field, bindings: &Bindings) -> Tape {
+    let bindings = bindings.clone();
+    Tape::new(field, &TapeOptions { bindings, reading: Reading::Sign, ..TapeOptions::default() })
 }

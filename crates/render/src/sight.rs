@@ -4,6 +4,7 @@ use crate::object::{Meeting, Object, ObjectRay, Sought};
 use crate::query::{Answer, Asker, Prepared, Surface};
 use crate::tile::{Stats, Tile};
 use fieldstone_scene::{Camera, Rays, Scene};
+use fieldstone_space::OctreeMemory;
 use fieldstone_trace::Certificate;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ use rayon::prelude::*;
 /// Looks at a scene again and again. Its programs are compiled once, when the viewer is made.
 pub struct Viewer<'s> {
     prepared: Prepared<'s>,
+    memory: OctreeMemory,
 }
 
 /// What one look found: the first hit of the ray through the centre of every pixel. Rows run from top to bottom.
@@ -37,7 +39,19 @@ struct Seen {
 impl<'s> Viewer<'s> {
     /// A viewer of a scene; the scene's own camera and size are not looked at.
     pub fn new(scene: &'s Scene) -> Self {
-        Self { prepared: Prepared::new(scene) }
+        Self::with_memory(scene, OctreeMemory::default())
+    }
+
+    /// A viewer whose octrees take part in `memory`.
+    pub fn with_memory(scene: &'s Scene, memory: OctreeMemory) -> Self {
+        Self { prepared: Prepared::new(scene, &memory), memory }
+    }
+
+    /// A viewer of a scene whose solids, in their order, have the same fields and bounds, but other values of their inputs:
+    /// parameters or the time. Octrees are rebuilt only where this matters; solids that differ otherwise are prepared
+    /// anew. What is seen is the same as with a new viewer.
+    pub fn changed<'n>(&self, scene: &'n Scene) -> Viewer<'n> {
+        Viewer { prepared: self.prepared.changed(scene, &self.memory), memory: self.memory.clone() }
     }
 
     /// The first hits and normals that `camera` sees in an image of `size` = (width, height), each at least 1, on the
@@ -234,8 +248,9 @@ impl Lens {
 mod tests {
     use super::*;
     use crate::tile::{RenderOptions, render};
-    use fieldstone_field::{Bindings, Field, Graph, Input};
+    use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
     use fieldstone_scene::{Bounds, Lighting, Settings, Solid, Up};
+    use std::sync::Arc;
 
     fn ball() -> Scene {
         let mut graph = Graph::new();
@@ -263,6 +278,44 @@ mod tests {
             assert_eq!((sight.depth[i], sight.normals[i]), (pixel.depth, pixel.normal), "{x}, {y}");
         }
         assert!(sight.stats.hits > 200 && sight.stats.certified == 48 * 32, "{:?}", sight.stats);
+    }
+
+    /// A ball beside a cube that the time moves.
+    fn moving(time: f64, graph: &Arc<Graph>, value: NodeId) -> Scene {
+        let mut bindings = Bindings::new();
+        bindings.set(Input::Time, time);
+        let bounds = Bounds::new(DVec3::splat(-2.0), DVec3::splat(2.0)).unwrap();
+        let solid = Solid::new(Field::new(graph.clone(), value, Vec::new()), bindings, bounds);
+        let camera = Camera::fitted(&bounds, Up::Z, 1.0);
+        let settings = Settings { size: (40, 40), samples: 1, ..Settings::default() };
+        Scene::new(vec![solid], camera, Lighting::default(), settings).unwrap()
+    }
+
+    #[test]
+    fn a_changed_scene_looks_as_it_does_to_a_new_viewer() {
+        let mut graph = Graph::new();
+        let [x, y, z] = [0, 1, 2].map(|k| graph.input(Input::Coordinate(k)));
+        let time = graph.input(Input::Time);
+        let moved = graph.sub(x, time);
+        let squares = [moved, y, z].map(|n| graph.square(n));
+        let sum = graph.add(squares[0], squares[1]);
+        let (sum, one) = (graph.add(sum, squares[2]), graph.constant(1.0));
+        let ball = graph.sub(sum, one);
+        let beside = graph.add(x, one);
+        let sides = [beside, y, z].map(|n| graph.abs(n));
+        let cube = graph.max(sides[0], sides[1]);
+        let cube = graph.max(cube, sides[2]);
+        let cube = graph.sub(cube, one);
+        let value = graph.min(ball, cube);
+        let graph = Arc::new(graph);
+        let [before, after] = [0.2, 0.7].map(|time| moving(time, &graph, value));
+        let viewer = Viewer::new(&before);
+        let camera = before.camera();
+        let first = viewer.look(camera, (40, 40));
+        let changed = viewer.changed(&after).look(camera, (40, 40));
+        let anew = Viewer::new(&after).look(camera, (40, 40));
+        assert!(changed.depth == anew.depth && changed.normals == anew.normals);
+        assert_ne!(first.depth, changed.depth);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::refine::{Refiner, needs};
 use crate::sampling::Draw;
 use crate::sky::Sky;
 use fieldstone_scene::{Film, Pixel, Scene};
+use fieldstone_space::OctreeMemory;
 use fieldstone_trace::Certificate;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,6 +24,9 @@ pub(crate) const BLOCK: u32 = 8;
 pub struct RenderOptions<'a> {
     /// How many threads; `None`: one for each core.
     pub threads: Option<usize>,
+    /// About how many bytes the octrees of all solids together may take; `None`: 1 GiB. With less the picture takes
+    /// longer.
+    pub memory: Option<usize>,
     /// Is told how much is done, from 0 to 1, from any thread.
     pub progress: Option<&'a (dyn Fn(f64) + Sync)>,
     /// Stops the work soon after it becomes true: at the ends of the tiles that are being drawn.
@@ -164,7 +168,8 @@ pub(crate) struct Placed {
 /// neighbour's, chance has a part that one may see: in half shadows, under a sky that is partly hidden, where rough
 /// surfaces mirror. A lens makes that all pixels.
 fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
-    let prepared = Prepared::new(scene);
+    let prepared =
+        Prepared::new(scene, &options.memory.map_or_else(OctreeMemory::default, OctreeMemory::new));
     let sky = Sky::new(scene);
     let integrator = Integrator::new(&prepared, &sky);
     let (width, height) = scene.settings().size;

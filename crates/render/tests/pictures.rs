@@ -379,7 +379,12 @@ fn work_that_is_cancelled_stops() {
         most.fetch_max((share * 1000.0) as u64, Ordering::Relaxed);
         cancel.store(true, Ordering::Relaxed);
     };
-    let options = RenderOptions { threads: Some(1), progress: Some(&progress), cancel: Some(&cancel) };
+    let options = RenderOptions {
+        threads: Some(1),
+        progress: Some(&progress),
+        cancel: Some(&cancel),
+        ..RenderOptions::default()
+    };
     assert_eq!(render(&scene, &options).map(|_| ()), Err(RenderError::Cancelled));
     assert!(most.into_inner() < 500, "only the tiles at work are finished");
 }

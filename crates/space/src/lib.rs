@@ -7,4 +7,4 @@ mod octree;
 
 pub use bounds::{DEFAULT_BOUNDS, Extent, FoundBounds, SEARCHED, solid_bounds};
 pub use measure::{Corners, Enclosure, MeasureOptions, Measures, measure};
-pub use octree::{Census, Lattice, Octree, OctreeOptions, Walker};
+pub use octree::{Census, Lattice, Octree, OctreeMemory, Walker};

@@ -24,7 +24,7 @@ mod walk;
 
 use crate::gradient::Gradients;
 use facet::Facet;
-use fieldstone_field::{Bindings, CodeKey, Field, Reading, Tape, TapeOptions};
+use fieldstone_field::{Bindings, CodeKey, Field, Input, Reading, Tape, TapeOptions};
 use pieces::{Operand, Pieces};
 use rustc_hash::FxHashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -42,17 +42,38 @@ const FINEST: u32 = 1 << (2 * LEVELS);
 /// on a face are inside, and faces of cells are not at the simple fractions of the bounds at which models have theirs.
 const ROOM: [f64; 2] = [0.007_31, 0.004_17];
 
-/// How an [`Octree`] is built.
-#[derive(Clone, Copy, Debug)]
-pub struct OctreeOptions {
-    /// About how many bytes cells and their programs may take. Nodes beyond are made anew whenever a ray comes by, which
-    /// is slow but finds the same.
-    pub memory: usize,
+/// What octrees may take together, and what they do. Clones share it.
+#[derive(Clone, Debug)]
+pub struct OctreeMemory {
+    used: Arc<AtomicUsize>,
+    limit: usize,
 }
 
-impl Default for OctreeOptions {
+impl OctreeMemory {
+    /// About how many bytes cells and their programs may take. Nodes beyond are made anew whenever a ray comes by, which
+    /// is slow but finds the same.
+    pub fn new(limit: usize) -> Self {
+        Self { used: Arc::default(), limit }
+    }
+
+    /// About how many bytes are taken.
+    pub fn used(&self) -> usize {
+        self.used.load(Ordering::Relaxed)
+    }
+
+    fn add(&self, bytes: usize) {
+        self.used.fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    fn is_full(&self) -> bool {
+        self.used() >= self.limit
+    }
+}
+
+impl Default for OctreeMemory {
+    /// One gibibyte.
     fn default() -> Self {
-        Self { memory: 1 << 30 }
+        Self::new(1 << 30)
     }
 }
 
@@ -71,8 +92,11 @@ pub struct Octree {
     is_composite: bool,
     /// The operands that cells were taken apart into, each made once.
     operands: Mutex<FxHashMap<CodeKey, Arc<Operand>>>,
-    memory: AtomicUsize,
-    limit: usize,
+    /// The inputs whose values differ from those of the tree that this one was made from.
+    changed: Vec<Input>,
+    memory: OctreeMemory,
+    /// How much of it this tree takes.
+    bytes: AtomicUsize,
 }
 
 /// What has been built of a tree so far.
@@ -86,7 +110,7 @@ pub struct Census {
     pub facets: usize,
     /// The instructions of the programs of all leaves.
     pub instructions: usize,
-    /// About how many bytes nodes and programs take.
+    /// About how many bytes nodes and programs take, but for those that were taken over from another tree.
     pub bytes: usize,
 }
 
@@ -106,7 +130,9 @@ struct Cell {
     pieces: Option<Box<Pieces>>,
     /// Whether it is not to be divided.
     is_leaf: bool,
-    below: OnceLock<Box<Node>>,
+    below: OnceLock<Arc<Node>>,
+    /// What the same cell was divided into in the tree that this one was made from, until it is divided itself.
+    donor: Mutex<Option<Arc<Node>>>,
 }
 
 /// A cell divided into 4³, numbered with x changing fastest.
@@ -121,6 +147,11 @@ struct Node {
 }
 
 impl Node {
+    /// The cell with this number, if it is open.
+    fn open_cell(&self, number: u32) -> Option<&Cell> {
+        ((self.outside | self.inside) >> number & 1 == 0).then(|| self.cell(number))
+    }
+
     /// The cell with this number, which is open.
     fn cell(&self, number: u32) -> &Cell {
         let before = !(self.outside | self.inside) & ((1u64 << number) - 1);
@@ -158,7 +189,7 @@ impl Octree {
         field: &Field,
         bindings: &Bindings,
         (min, max): ([f64; 3], [f64; 3]),
-        options: OctreeOptions,
+        memory: OctreeMemory,
     ) -> Self {
         let size = [0, 1, 2].map(|axis| max[axis] - min[axis]);
         let field = sign::sign_form(field);
@@ -174,12 +205,57 @@ impl Octree {
                 pieces: None,
                 is_leaf: false,
                 below: OnceLock::new(),
+                donor: Mutex::default(),
             },
             is_composite,
             operands: Mutex::default(),
-            memory: AtomicUsize::new(0),
-            limit: options.memory,
+            changed: Vec::new(),
+            memory,
+            bytes: AtomicUsize::new(0),
         }
+    }
+
+    /// The tree of the same field with other values of its inputs. Cells whose programs do not read what has changed, and
+    /// are shortened to the same as before, are shared with this tree, with all that is below them; what is found is the
+    /// same as in a tree that is built from nothing.
+    pub fn rebound(&self, bindings: &Bindings) -> Self {
+        let programs = &self.root.programs;
+        let changed: Vec<Input> = programs
+            .value
+            .uniforms()
+            .chain(programs.slopes.iter().flat_map(|tape| tape.uniforms()))
+            .filter(|&(input, value)| bindings.get(input).to_bits() != value.to_bits())
+            .map(|(input, _)| input)
+            .collect();
+        let bound = |tape: &Arc<Tape>| {
+            let mut tape = Tape::clone(tape);
+            changed.iter().for_each(|&input| tape.bind(input, bindings.get(input)));
+            Arc::new(tape)
+        };
+        let root = Cell {
+            programs: Programs { value: bound(&programs.value), slopes: programs.slopes.as_ref().map(bound) },
+            pieces: None,
+            is_leaf: false,
+            below: OnceLock::new(),
+            donor: Mutex::new(self.root.below.get().cloned()),
+        };
+        Self {
+            corner: self.corner,
+            step: self.step,
+            slack: self.slack,
+            root,
+            is_composite: self.is_composite,
+            operands: Mutex::default(),
+            changed,
+            memory: self.memory.clone(),
+            bytes: AtomicUsize::new(0),
+        }
+    }
+
+    /// Takes note of memory that is taken.
+    fn take(&self, bytes: usize) {
+        self.bytes.fetch_add(bytes, Ordering::Relaxed);
+        self.memory.add(bytes);
     }
 
     /// The number of instructions of the whole program.
@@ -189,7 +265,7 @@ impl Octree {
 
     /// What has been built so far.
     pub fn census(&self) -> Census {
-        let mut census = Census { bytes: self.memory.load(Ordering::Relaxed), ..Census::default() };
+        let mut census = Census { bytes: self.bytes.load(Ordering::Relaxed), ..Census::default() };
         self.root.count(&mut census);
         census
     }
@@ -205,6 +281,12 @@ impl Octree {
     /// The coordinate of a face between smallest cells.
     fn face(&self, axis: usize, index: u32) -> f64 {
         self.corner[axis] + self.step[axis] * f64::from(index)
+    }
+}
+
+impl Drop for Octree {
+    fn drop(&mut self) {
+        self.memory.used.fetch_sub(self.bytes.load(Ordering::Relaxed), Ordering::Relaxed);
     }
 }
 

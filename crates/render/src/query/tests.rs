@@ -50,7 +50,7 @@ fn scenes() -> [Scene; 2] {
 #[test]
 fn nothing_is_found_behind_the_furthest_distance() {
     for scene in scenes() {
-        let prepared = Prepared::new(&scene);
+        let prepared = Prepared::new(&scene, &OctreeMemory::default());
         let mut asker = Asker::default();
         let rays = along_x(-4.0);
         for (distance, found) in [(2.9, false), (3.1, true), (100.0, true)] {
@@ -68,7 +68,7 @@ fn nothing_is_found_behind_the_furthest_distance() {
 #[test]
 fn ways_out_are_seen_from_inside() {
     for scene in scenes() {
-        let prepared = Prepared::new(&scene);
+        let prepared = Prepared::new(&scene, &OctreeMemory::default());
         let mut asker = Asker::default();
         let surface = prepared.surfaces(&mut asker, &along_x(0.25))[0].surface.unwrap();
         assert!(surface.from_inside && (surface.t - 0.75).abs() < 1e-6);
@@ -83,7 +83,7 @@ fn ways_out_through_caps_are_seen_from_inside() {
     for scene in
         [scene(vec![cut.clone()], vec![Instance::unmoved(0)]), scene(vec![cut], vec![at(0.0), at(10.0)])]
     {
-        let prepared = Prepared::new(&scene);
+        let prepared = Prepared::new(&scene, &OctreeMemory::default());
         let mut asker = Asker::default();
         let surface = prepared.surfaces(&mut asker, &along_x(0.25))[0].surface.unwrap();
         assert!(surface.from_inside && (surface.t - 0.25).abs() < 1e-9);
@@ -98,7 +98,7 @@ fn ways_out_through_caps_are_seen_from_inside() {
 fn of_solids_in_the_same_place_the_first_instance_is_seen() {
     let instances = vec![at(5.0), at(0.0), at(0.0), at(-2.0 + 1e-12), at(-2.0)];
     let scene = scene(vec![solid()], instances);
-    let prepared = Prepared::new(&scene);
+    let prepared = Prepared::new(&scene, &OctreeMemory::default());
     let mut asker = Asker::default();
     let seen = |asker: &mut Asker, x| prepared.surfaces(asker, &along_x(x))[0].surface.unwrap().instance;
     assert_eq!(seen(&mut asker, -9.0), 3);
@@ -112,7 +112,8 @@ fn solids_have_their_own_method_and_tolerance() {
     let coarse = solid().with_method(None, Some(1e-4)).unwrap();
     let bracket = |solid: Solid| {
         let scene = scene(vec![solid], vec![Instance::unmoved(0)]);
-        let answer = Prepared::new(&scene).surfaces(&mut Asker::default(), &along_x(-4.0))[0];
+        let answer = Prepared::new(&scene, &OctreeMemory::default())
+            .surfaces(&mut Asker::default(), &along_x(-4.0))[0];
         let surface = answer.surface.unwrap();
         (answer.certificate, surface.behind.x - surface.before.x)
     };
@@ -142,7 +143,7 @@ fn where_no_part_begins_the_closest_owns_the_place() {
     let tree = Tree::Union(vec![Tree::Part(0), Tree::Part(1)]);
     let blend = Solid::new(field, Bindings::new(), cube(1.0)).with_parts(vec![part(0), part(1)], tree);
     let scene = scene(vec![solid(), blend.unwrap()], vec![Instance::unmoved(1)]);
-    let prepared = Prepared::new(&scene);
+    let prepared = Prepared::new(&scene, &OctreeMemory::default());
     let rays = [-0.05, 0.05].map(|x| (DVec3::new(x, 2.0, 0.0), -DVec3::Y));
     let answers = prepared.surfaces(&mut Asker::default(), &rays);
     // The parts of the first solid are counted before these.

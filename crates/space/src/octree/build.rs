@@ -4,8 +4,7 @@ use super::pieces::{MOST, Operand, Piece, Shape};
 use super::{Cell, Facet, LEVELS, Node, Octree, Place, Programs};
 use fieldstone_field::{CodeKey, Combination, F64, Interval, Intervals, LANES, SetStep, Tape, Workspace};
 use rustc_hash::FxHashMap;
-use std::sync::atomic::Ordering;
-use std::sync::{Arc, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use typed_arena::Arena;
 
 /// Programs that keep more than this part of their instructions are not worth a copy of their own.
@@ -72,16 +71,18 @@ impl Builder {
             .zip(&values)
             .map(|(&i, shorter)| is_leaf(cell, place.level, &shapes[i], shorter))
             .collect();
+        let donor = cell.donor.lock().unwrap_or_else(PoisonError::into_inner).take();
         let mut slopes = self.slopes_below(cell, place, &kept, &leaves).into_iter();
         let mut shapes: Vec<Option<Shape>> = shapes.into_iter().map(Some).collect();
-        let cells = kept.iter().zip(values).zip(leaves).map(|((&i, value), is_leaf)| Cell {
-            programs: Programs { value, slopes: if is_leaf { None } else { slopes.next().flatten() } },
-            pieces: match shapes[i].take() {
+        let cells = kept.iter().zip(values).zip(leaves).map(|((&i, value), is_leaf)| {
+            let slopes = if is_leaf { None } else { slopes.next().flatten() };
+            let programs = Programs { value, slopes };
+            let (below, donor) = tree.inherited(donor.as_deref(), open[i], &programs);
+            let pieces = match shapes[i].take() {
                 Some(Shape::Pieces(pieces)) => Some(Box::new(pieces)),
                 _ => None,
-            },
-            is_leaf,
-            below: OnceLock::new(),
+            };
+            Cell { programs, pieces, is_leaf, below, donor: Mutex::new(donor) }
         });
         let cells: Vec<Cell> = cells.collect();
         Node { outside, inside, open: cells }
@@ -263,7 +264,7 @@ impl Octree {
         // Not under the lock: two threads may both make it, and one is kept.
         let operand = Arc::new(Operand::new(program));
         let length = operand.value.len() + operand.slopes.as_ref().map_or(0, Tape::len);
-        self.memory.fetch_add(size_of::<Operand>() + length * INSTRUCTION_BYTES, Ordering::Relaxed);
+        self.take(size_of::<Operand>() + length * INSTRUCTION_BYTES);
         table().entry(key).or_insert(operand).clone()
     }
 
@@ -278,14 +279,38 @@ impl Octree {
         if let Some(node) = cell.below.get() {
             return node;
         }
-        if self.memory.load(Ordering::Relaxed) >= self.limit {
+        if self.memory.is_full() {
             return arena.alloc(builder.node(self, cell, place));
         }
         cell.below.get_or_init(|| {
-            let node = Box::new(builder.node(self, cell, place));
-            self.memory.fetch_add(node.bytes(&cell.programs), Ordering::Relaxed);
+            let node = Arc::new(builder.node(self, cell, place));
+            self.take(node.bytes(&cell.programs));
             node
         })
+    }
+
+    /// What a cell of a node has from that of a tree that this one was made from: what is below it, if that is the same,
+    /// or else what it may be taken over from in parts.
+    fn inherited(
+        &self,
+        donor: Option<&Node>,
+        number: u32,
+        programs: &Programs,
+    ) -> (OnceLock<Arc<Node>>, Option<Arc<Node>>) {
+        let nothing = (OnceLock::new(), None);
+        let Some(old) = donor.and_then(|node| node.open_cell(number)) else { return nothing };
+        let Some(below) = old.below.get() else { return nothing };
+        let is_same = |new: &Tape, old: &Tape| new.has_code_of(old) && !new.reads(&self.changed);
+        let have_same_slopes = match (&programs.slopes, &old.programs.slopes) {
+            (Some(new), Some(old)) => is_same(new, old),
+            (None, None) => true,
+            _ => false,
+        };
+        if have_same_slopes && is_same(&programs.value, &old.programs.value) {
+            (OnceLock::from(below.clone()), None)
+        } else {
+            (OnceLock::new(), Some(below.clone()))
+        }
     }
 
     /// Half the extent of the cells of a node.

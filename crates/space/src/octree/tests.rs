@@ -1,6 +1,6 @@
 use super::packet::ORDER;
 use super::*;
-use fieldstone_field::{F64, Points, Workspace};
+use fieldstone_field::{F64, Graph, Points, Workspace};
 use fieldstone_lang::{Source, parse_formula};
 use fieldstone_trace::{Certificate, Outcome, Ray, Settings, Tracer};
 
@@ -30,8 +30,8 @@ fn fields() -> impl Iterator<Item = (&'static str, Field)> {
     FORMULAS.into_iter().map(|text| (text, field(text)))
 }
 
-fn tree(field: &Field, options: OctreeOptions) -> Octree {
-    Octree::new(field, &Bindings::new(), ([-SIDE; 3], [SIDE; 3]), options)
+fn tree(field: &Field, memory: OctreeMemory) -> Octree {
+    Octree::new(field, &Bindings::new(), ([-SIDE; 3], [SIDE; 3]), memory)
 }
 
 fn random(state: &mut u64) -> f64 {
@@ -79,7 +79,7 @@ fn walk(tree: &Octree, rays: &[Ray], settings: &Settings) -> Vec<Outcome> {
 /// Panics unless the outcomes are those of the tracer, as closely as both know them.
 fn compare(text: &str, rays: &[Ray], settings: &Settings) {
     let field = field(text);
-    let found = walk(&tree(&field, OctreeOptions::default()), rays, settings);
+    let found = walk(&tree(&field, OctreeMemory::default()), rays, settings);
     let tape = Tape::new(&field, &TapeOptions { reading: Reading::Sign, ..TapeOptions::default() });
     let wanted = Tracer::new().first_hits(&tape, rays, settings);
     let mut weaker = 0;
@@ -122,7 +122,7 @@ fn caps_any_hit_and_surfaces_are_those_of_the_tracer() {
 fn rays_along_faces_and_edges_of_cells_are_followed() {
     let settings = Settings::new(2.0 * SIDE);
     for (text, _) in fields() {
-        let tree = tree(&field(text), OctreeOptions::default());
+        let tree = tree(&field(text), OctreeMemory::default());
         let along = |axis: usize, u: u32, v: u32| {
             let (mut origin, mut direction) = ([0.0; 3], [0.0; 3]);
             origin[axis] = -6.0;
@@ -139,7 +139,7 @@ fn rays_along_faces_and_edges_of_cells_are_followed() {
 #[test]
 fn far_away_rays_hit_as_near_ones_do() {
     let field = field("x^2 + y^2 + z^2 - 1");
-    let tree = tree(&field, OctreeOptions::default());
+    let tree = tree(&field, OctreeMemory::default());
     let settings = Settings::new(2.0 * SIDE);
     for distance in [10.0, 1e3, 1e6] {
         let rays: Vec<Ray> =
@@ -160,7 +160,7 @@ fn far_away_rays_hit_as_near_ones_do() {
 fn a_tree_without_room_finds_the_same() {
     let (rays, settings) = (rays(256, 6.0, 3), Settings::new(2.0 * SIDE));
     for (text, field) in fields().take(4) {
-        let [all, none] = [usize::MAX, 0].map(|memory| tree(&field, OctreeOptions { memory }));
+        let [all, none] = [usize::MAX, 0].map(|memory| tree(&field, OctreeMemory::new(memory)));
         let found = walk(&all, &rays, &settings);
         assert_eq!(found, walk(&none, &rays, &settings), "{text}");
         assert!(all.census().nodes > 1);
@@ -204,7 +204,7 @@ fn check_facet(text: &str, facet: &Facet, (p, q): ([f64; 3], [f64; 3]), [f, g]: 
 fn what_cells_say_holds_all_over_them() {
     let mut state = 5;
     for (text, field) in fields() {
-        let tree = tree(&field, OctreeOptions::default());
+        let tree = tree(&field, OctreeMemory::default());
         walk(&tree, &rays(256, 6.0, 11), &Settings::new(2.0 * SIDE));
         let at = |p: [f64; 3]| field.at(&p, &Bindings::new())[0];
         let mut checked = [0; 2];
@@ -253,7 +253,7 @@ fn programs_of_cells_have_the_sign_of_the_field() {
     let mut state = 7;
     let text = FORMULAS[2];
     let field = field(text);
-    let tree = tree(&field, OctreeOptions::default());
+    let tree = tree(&field, OctreeMemory::default());
     walk(&tree, &rays(256, 6.0, 11), &Settings::new(2.0 * SIDE));
     let mut points = fieldstone_field::Workspace::<fieldstone_field::F64, fieldstone_field::Points>::new();
     let mut shorter = 0;
@@ -307,7 +307,7 @@ fn cells_come_in_an_order_that_rays_cross_them_in() {
 #[test]
 fn points_of_a_plane_are_inside_where_the_field_is_negative() {
     for (text, field) in fields() {
-        let tree = tree(&field, OctreeOptions::default());
+        let tree = tree(&field, OctreeMemory::default());
         for (axes, at) in [([0, 1], 0.1), ([2, 0], -0.37), ([1, 2], 1.9)] {
             let lattice = Lattice { axes, at, first: [-2.1, -1.2], step: [0.021, 0.017], size: [201, 140] };
             let inside = tree.inside(&lattice);
@@ -321,4 +321,62 @@ fn points_of_a_plane_are_inside_where_the_field_is_negative() {
             }
         }
     }
+}
+
+/// A ball and a cube apart from each other, and a parameter that moves the ball.
+fn moving() -> Field {
+    let mut graph = Graph::new();
+    let [x, y, z] = [0, 1, 2].map(|k| graph.input(Input::Coordinate(k)));
+    let shift = graph.input(Input::Time);
+    let (far, one, half) = (graph.constant(1.2), graph.constant(1.0), graph.constant(0.5));
+    let along = graph.sub(x, far);
+    let along = graph.sub(along, shift);
+    let squares = [along, y, z].map(|n| graph.square(n));
+    let sum = graph.add(squares[0], squares[1]);
+    let sum = graph.add(sum, squares[2]);
+    let ball = graph.sub(sum, half);
+    let beside = graph.add(x, one);
+    let sides = [beside, y, z].map(|n| graph.abs(n));
+    let sides = sides.map(|n| graph.sub(n, half));
+    let cube = graph.max(sides[0], sides[1]);
+    let cube = graph.max(cube, sides[2]);
+    let value = graph.min(ball, cube);
+    Field::new(graph, value, Vec::new())
+}
+
+#[test]
+fn a_tree_with_another_parameter_finds_the_same_as_a_new_one() {
+    let field = moving();
+    let at = |shift: f64| {
+        let mut bindings = Bindings::new();
+        bindings.set(Input::Time, shift);
+        bindings
+    };
+    let new = |shift| Octree::new(&field, &at(shift), ([-SIDE; 3], [SIDE; 3]), OctreeMemory::default());
+    let (rays, settings) = (rays(512, 6.0, 3), Settings::new(2.0 * SIDE));
+    let first = new(0.0);
+    let before = walk(&first, &rays, &settings);
+    let again = first.rebound(&at(0.3));
+    let (found, expected) = (walk(&again, &rays, &settings), walk(&new(0.3), &rays, &settings));
+    assert_eq!(format!("{found:?}"), format!("{expected:?}"));
+    assert_ne!(format!("{found:?}"), format!("{before:?}"));
+    // The cells around the cube are the old ones.
+    let (fresh, shared) = (new(0.3), again.census());
+    walk(&fresh, &rays, &settings);
+    assert!(shared.bytes < 3 * fresh.census().bytes / 4, "{shared:?} {:?}", fresh.census());
+    assert_eq!(shared.nodes, fresh.census().nodes);
+    // Nothing changes: all is taken over but the root's cells.
+    let same = first.rebound(&at(0.0));
+    walk(&same, &rays, &settings);
+    assert!(same.census().bytes < first.census().bytes / 3, "{:?} {:?}", same.census(), first.census());
+}
+
+#[test]
+fn memory_is_given_back() {
+    let memory = OctreeMemory::new(1 << 20);
+    let tree = tree(&moving(), memory.clone());
+    walk(&tree, &rays(256, 6.0, 3), &Settings::new(2.0 * SIDE));
+    assert!(memory.used() > 0 && memory.used() == tree.census().bytes);
+    drop(tree);
+    assert_eq!(memory.used(), 0);
 }
