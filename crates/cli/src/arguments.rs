@@ -8,6 +8,7 @@ use fieldstone::{
 };
 use std::path::{Path, PathBuf};
 
+use crate::bench::BenchArguments;
 use crate::convert::ConvertArguments;
 use crate::examples;
 use crate::failure::Failure;
@@ -54,6 +55,9 @@ pub(crate) enum Command {
     /// Write a model in another language: HyperFun, a program or a formula.
     #[command(after_help = examples::CONVERT)]
     Convert(ConvertArguments),
+    /// Measure times, side by side with other programs, and how they grow.
+    #[command(after_help = examples::BENCH)]
+    Bench(Box<BenchArguments>),
     /// Print the JSON Schema of scene files, for editors.
     #[command(after_help = examples::SCHEMA)]
     Schema,
@@ -271,7 +275,7 @@ pub(crate) struct RenderArguments {
     /// Let `--method interval` accept spans this short without proof, relative to the longest side.
     #[arg(long, help_heading = METHOD, value_name = "E", allow_hyphen_values = true)]
     pub(crate) accept_epsilon: Option<f64>,
-    /// Samples of a pixel where there are edges in it [default: 4].
+    /// The most samples of a pixel where there are edges or noise in it [default: 4].
     #[arg(long, help_heading = METHOD, value_name = "N", allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
     /// Draw pictures A to B of a film; `#` in the name of the picture stand for digits.

@@ -82,6 +82,22 @@ Parameters keep their names in formulas and are a[1], a[2], ... in HyperFun; pro
 Coordinates are kept as they are: nothing is turned, although y is up in HyperFun and z in the others.
 The sign becomes that of the language. Attributes are kept in HyperFun only.";
 
+/// `bench`.
+pub(crate) const BENCH: &str = "\
+Examples:
+  Frames of models, the gallery, and pictures beside POV-Ray's, in the folder of the sources:
+    fieldstone bench
+    fieldstone bench models --only building --size 1024 --view perspective -o building.json
+    fieldstone bench povray --only table1/tangle.txt --pictures compared -o tangle.md
+
+  How times and memory grow; how many instructions a few frames take, compared with the committed numbers:
+    fieldstone bench growth
+    fieldstone bench counts
+
+Times are medians; ratios are those of pairs of runs that follow each other, with their quartiles. fidget is measured by a
+program that was built with it: cargo build --release -p fieldstone-cli --features peers (Rust 1.95). POV-Ray and
+valgrind must be installed.";
+
 /// `schema`.
 pub(crate) const SCHEMA: &str = "\
 Examples:
@@ -204,6 +220,7 @@ mod tests {
             "gallery/README.md",
             "docs/commands.md",
             "docs/gallery.md",
+            "docs/performance.md",
             "docs/hyperfun.md",
             "docs/hyperfun/tutorial.md",
         ];

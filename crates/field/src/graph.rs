@@ -101,6 +101,11 @@ impl Graph {
         }
     }
 
+    /// The function that a [`Node::Call`] names by this number.
+    pub fn function(&self, number: u32) -> &Arc<dyn Function> {
+        &self.functions[number as usize]
+    }
+
     fn intern(&mut self, node: Node) -> NodeId {
         if let Some(&id) = self.ids.get(&node) {
             return id;

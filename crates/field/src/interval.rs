@@ -12,12 +12,17 @@ mod domain;
 
 use crate::Real;
 use crate::domain::Domain;
+use crate::elementary::{Elementary, LIBRARY_ULPS};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Error bound of the elementary functions of the standard library and of this crate, in units of [`Real::ULP`].
-/// Their documentation states one to two units in the last place; twice that is taken.
-const LIBRARY_ULPS: f64 = 4.0;
+/// How far the ends of elementary functions are moved outward, in units of [`Real::ULP`]: by the largest error of an
+/// end, and by that of any value inside, which the standard library may have computed. An end moved by a whole number
+/// of units is rounded to one that lies no less far out.
+#[inline(always)]
+fn function_ulps<R: Real>() -> f64 {
+    R::FUNCTION_ULPS + LIBRARY_ULPS
+}
 
 /// Waves are looked at closely up to here; arguments further away may be anywhere in their period.
 const FAR: f64 = 1e6;
@@ -131,10 +136,10 @@ impl<R: Real> Interval<R> {
         Self { lo: R::pick(mask, -infinity, self.lo), hi: R::pick(mask, infinity, self.hi) }
     }
 
-    /// The image under a function of the standard library that never falls.
+    /// The image under an elementary function that never falls.
     #[inline(always)]
-    fn rising(self, f: fn(f64) -> f64) -> Self {
-        Self::rounded(self.lo.map(f), self.hi.map(f), LIBRARY_ULPS)
+    fn rising(self, f: impl Elementary) -> Self {
+        Self::rounded(self.lo.apply(f), self.hi.apply(f), function_ulps::<R>())
     }
 
     /// Where any value lies outside [−1, 1].
@@ -169,7 +174,7 @@ impl<R: Real> Interval<R> {
     fn wave(self, at: impl Fn(R) -> R, maximum: f64) -> Self {
         let one = self.constant_real(1.0);
         let (l, h) = (at(self.lo), at(self.hi));
-        let range = Self::rounded(l.lesser(h), l.greater(h), LIBRARY_ULPS);
+        let range = Self::rounded(l.lesser(h), l.greater(h), function_ulps::<R>());
         let wide = !((self.hi - self.lo).is_lt(self.constant_real(TAU)))
             | !self.magnitude().is_lt(self.constant_real(FAR));
         let hi = R::pick(wide | self.meets(maximum, TAU), one, range.hi);

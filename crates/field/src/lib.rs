@@ -10,6 +10,7 @@ mod compile;
 mod defined;
 mod domain;
 mod dual;
+mod elementary;
 mod eval;
 mod field;
 mod function;
@@ -20,7 +21,6 @@ mod op;
 mod real;
 pub mod reference;
 mod tape;
-mod trig;
 
 pub use affine::Affine;
 pub use domain::Domain;

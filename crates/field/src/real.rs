@@ -4,6 +4,7 @@ mod single;
 mod values;
 mod wide;
 
+use crate::elementary::{Elementary, Elementary2};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 pub use wide::{Wide32, Wide64};
@@ -41,6 +42,8 @@ pub trait Real:
     const TINY: f64;
     /// The largest finite number.
     const HUGE: f64;
+    /// Bound of the errors of elementary functions, in units in the last place.
+    const FUNCTION_ULPS: f64;
 
     /// The token that this number was made with.
     fn token(self) -> Self::Token;
@@ -54,6 +57,12 @@ pub trait Real:
     fn map(self, f: fn(f64) -> f64) -> Self;
     /// A function of two numbers, lane by lane, computed in `f64`.
     fn map2(self, other: Self, f: fn(f64, f64) -> f64) -> Self;
+    /// An elementary function: the standard library's for single numbers, this crate's over lanes.
+    fn apply<F: Elementary>(self, f: F) -> Self;
+    /// An elementary function of two numbers.
+    fn apply2<F: Elementary2>(self, other: Self, f: F) -> Self;
+    /// (sin a, cos a).
+    fn sin_cos(self) -> (Self, Self);
     /// A function of the lane's number.
     fn from_lanes(token: Self::Token, f: impl FnMut(usize) -> f64) -> Self;
     /// The number in one lane.
@@ -97,6 +106,57 @@ pub trait Real:
         !self.is_eq(self)
     }
 }
+
+/// Double precision, whose bits can be taken apart: what elementary functions are computed with.
+pub trait Double: Real {
+    /// 2ᵏ for a whole number k from −1022 to 1023.
+    fn power_of_two(self) -> Self;
+    /// k of 2ᵏ ≤ a < 2ᵏ⁺¹, for normal positive numbers; −1023 for smaller ones.
+    fn exponent(self) -> Self;
+    /// a/2ᵏ, at least 1 and below 2, for normal positive numbers.
+    fn significand(self) -> Self;
+    /// The significand rounded to 26 bits: the product of two such numbers is exact, and so are those of what is left.
+    fn high_part(self) -> Self;
+
+    /// a·b − c rounded once, where the processor has an instruction for it.
+    #[inline(always)]
+    fn fused(self, _other: Self, _c: Self) -> Option<Self> {
+        None
+    }
+
+    /// a·b − `product`, the rounding error of a product: exact, and so the same with a fused operation and without, where no
+    /// part of it overflows or underflows (Dekker 1971).
+    #[inline(always)]
+    fn product_error(self, other: Self, product: Self) -> Self {
+        if let Some(error) = self.fused(other, product) {
+            return error;
+        }
+        let (a, b) = (self.high_part(), other.high_part());
+        let (a_rest, b_rest) = (self - a, other - b);
+        ((a * b - product) + a * b_rest + a_rest * b) + a_rest * b_rest
+    }
+
+    /// The nearest whole number, halves to even, for |a| < 2⁵¹.
+    #[inline(always)]
+    fn nearest_whole(self) -> Self {
+        let shift = self.like(1.5 * LAST_WHOLE);
+        (self + shift) - shift
+    }
+}
+
+/// From here to its double, neighbouring numbers are 1 apart: 2⁵².
+const LAST_WHOLE: f64 = (1u64 << SIGNIFICAND_BITS) as f64;
+/// Bits of a significand behind the point.
+const SIGNIFICAND_BITS: u32 = 52;
+/// What is added to exponents.
+const EXPONENT_BIAS: f64 = 1023.0;
+/// The bits of 1, which are those of its exponent.
+const ONE: u64 = 1f64.to_bits();
+/// The bits of a significand behind the point.
+const SIGNIFICAND: u64 = (1 << SIGNIFICAND_BITS) - 1;
+/// All bits but the 27 last ones, and half of the last that it leaves.
+const HIGH_PART: u64 = !((1 << 27) - 1);
+const HALF_OF_HIGH_PART: u64 = 1 << 26;
 
 /// A whole power by repeated squaring; exact wherever every step is.
 #[inline(always)]

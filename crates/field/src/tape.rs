@@ -227,6 +227,15 @@ impl Tape {
         }
     }
 
+    /// The places of the instructions that [`specialise`](Self::specialise) may decide.
+    pub fn choices(&self) -> impl Iterator<Item = usize> {
+        let decides = |instruction: &Instruction| {
+            use Binary::{Max, Min, RMax, RMin};
+            matches!(instruction.op, Op::Select | Op::Unary(Unary::Abs) | Op::Binary(Min | Max | RMin | RMax))
+        };
+        self.code.instructions.iter().enumerate().filter(move |(_, i)| decides(i)).map(|(place, _)| place)
+    }
+
     /// Like [`specialise`](Self::specialise), but nothing if no choice is decided.
     pub fn shortened(&self, choice: impl Fn(usize) -> u8) -> Option<Tape> {
         (0..self.code.instructions.len()).any(|i| choice(i) != 3).then(|| self.specialise(choice))

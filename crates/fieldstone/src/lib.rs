@@ -68,6 +68,7 @@ mod document;
 mod endless;
 mod evaluate;
 mod extent;
+mod eye;
 mod frames;
 mod inputs;
 mod load;
@@ -109,15 +110,16 @@ pub use fieldstone_lang::{
     print_model,
 };
 pub use fieldstone_render::{
-    FoundWindow, MAX_SLICE_PIXELS, RenderError, RenderOptions, Rendered, Slice, SliceError, SlicePicture,
-    SliceStats, SliceStyle, Stats, Window, WindowExtent, draw_slice, find_window, render,
+    FoundWindow, MAX_SLICE_PIXELS, RenderError, RenderOptions, Rendered, Sight, Slice, SliceError,
+    SlicePicture, SliceStats, SliceStyle, Stats, Viewer, Window, WindowExtent, draw_slice, find_window,
+    render,
 };
 pub use fieldstone_scene::{
     Aperture, Appearance, Background, Ball, BallError, Blended, Bounds, BoundsError, CHANNELS, Camera,
     CameraError, Channel, Condition, Environment, EnvironmentError, ExposureError, Face, Film, Image,
     ImageError, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, MAX_IMAGE_PIXELS,
     MAX_LIGHT_SAMPLES, Material, MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene,
-    SceneError, Settings, Shading, Solid, Surroundings, Texture, Tone, ToneCurve, Tree, Up, View,
+    SceneError, Settings, Shading, Solid, Surroundings, Texture, Tone, ToneCurve, Tree, Up, View, Wrap,
     linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_solids::{Interpolation, PointCloud, PointError, Reconstruction, VoxelArray, VoxelError};

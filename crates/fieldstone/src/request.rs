@@ -1,6 +1,7 @@
 //! From a model and a few wishes to a scene.
 
 use crate::extent::{Wanted, find_bounds};
+use crate::eye;
 use crate::inputs::{InputError, Inputs};
 use crate::presentation;
 use fieldstone_lang::{Model, UpAxis};
@@ -63,6 +64,10 @@ pub enum Warning {
     NothingInSphere,
     /// The eye is so far away that rounding hides where rays meet the solid.
     FarEye,
+    /// The eye is inside of a solid that one cannot see through.
+    EyeInside,
+    /// The eye is outside of the room that is around the scene.
+    EyeOutsideRoom,
     /// No ray through the centre of a pixel hits anything.
     NothingSeen,
 }
@@ -82,7 +87,12 @@ impl Warning {
 
     /// What it says of an object of a scene file, where keys have the place of options.
     pub(crate) fn of_object(&self, name: &str) -> String {
-        let keys = [("--bounds", "`bounds`"), ("--clip-sphere", "`clip_sphere`"), ("--surface", "`surface`")];
+        let keys = [
+            ("--bounds", "`bounds`"),
+            ("--clip-sphere", "`clip_sphere`"),
+            ("--surface", "`surface`"),
+            ("--eye", "`eye`"),
+        ];
         let text = keys.iter().fold(self.to_string(), |text, (option, key)| text.replace(option, key));
         format!("{name}: {text}")
     }
@@ -127,6 +137,10 @@ impl fmt::Display for Warning {
             Self::FarEye => {
                 "the eye is so far away that rounding hides where rays meet the solid: much rests on a tolerance \
                  (choose --eye nearer, or a parallel view with --ortho)"
+            }
+            Self::EyeInside => "the eye is inside of the solid, which is seen from within (choose --eye)",
+            Self::EyeOutsideRoom => {
+                "the eye is outside of the room: it looks through the near walls at the far ones (choose --eye)"
             }
             Self::NothingSeen => {
                 "nothing is to be seen: no ray of the picture hits anything (look at --eye, --target, --bounds)"
@@ -202,7 +216,8 @@ impl RenderRequest {
         let solid = presentation::with_materials(solid, &model.presentation, coloured)?;
         let lighting = presentation::lighting(&model.presentation, &camera);
         let scene = Scene::new(vec![solid], camera, lighting, self.settings)?;
-        Ok(Resolved { scene, warnings: warning.into_iter().chain(far).collect() })
+        let inside = eye::warning(&scene).map(|(_, warning)| warning);
+        Ok(Resolved { scene, warnings: warning.into_iter().chain(far).chain(inside).collect() })
     }
 }
 
@@ -254,6 +269,17 @@ mod tests {
         assert_eq!(warnings("max(x^2 + y^2 + z^2 - 1, 0 - log(x + 0.5)^2)"), []);
         let quotient = "x^2 + y^2 + z^2 - 1 + max(x + 0.5, 0)/max(x + 0.5, 0)*0.001";
         assert_eq!(warnings(quotient), [Warning::SampledBounds]);
+    }
+
+    #[test]
+    fn eyes_inside_are_told() {
+        let seen_from = |eye: DVec3| {
+            let view = View { eye: Some(eye), target: Some(DVec3::X * 9.0), ..View::default() };
+            let request = RenderRequest { view, ..RenderRequest::default() };
+            resolve("x^2 + y^2 + z^2 - 1", &request).unwrap().warnings
+        };
+        assert_eq!(seen_from(DVec3::splat(0.5)), [Warning::EyeInside]);
+        assert_eq!(seen_from(DVec3::splat(0.99)), []);
     }
 
     #[test]

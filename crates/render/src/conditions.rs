@@ -6,7 +6,8 @@
 //! root is decided over its final bracket; where that leaves it open, by the value at the root, without a certificate.
 
 use crate::query::Asker;
-use fieldstone_field::{F64, Field, Intervals, LANES, Points, Reading, Tape, TapeOptions, Workspace};
+use crate::roots::Roots;
+use fieldstone_field::{F64, Field, Intervals, LANES, Points, Workspace};
 use fieldstone_scene::Solid;
 use fieldstone_trace::{Certificate, Hit, Method, Outcome, Ray, Settings};
 use glam::DVec3;
@@ -17,7 +18,7 @@ const MOST_TURNS: u32 = 4096;
 /// The conditions of a solid.
 pub(crate) struct Conditions {
     /// Negative where all hold.
-    field: Tape,
+    field: Roots,
     /// Whether to ask them before the solid: they cost less.
     first: bool,
 }
@@ -61,13 +62,9 @@ impl Conditions {
             all = Some(all.map_or(holds, |all| graph.max(all, holds)));
         }
         let all = all.unwrap_or_else(|| graph.constant(-1.0));
-        let options = TapeOptions {
-            bindings: solid.bindings().clone(),
-            reading: Reading::Sign,
-            ..TapeOptions::default()
-        };
-        let field = Tape::new(&Field::new(graph, all, Vec::new()).with_fuel(field.fuel()), &options);
-        let first = field.len() < instructions;
+        let field = Field::new(graph, all, Vec::new()).with_fuel(field.fuel());
+        let field = Roots::new(&field, solid.bindings(), solid.bounds());
+        let first = field.sign.len() < instructions;
         Self { field, first }
     }
 
@@ -75,7 +72,7 @@ impl Conditions {
     pub(crate) fn first_hits(
         &self,
         asker: &mut Asker,
-        solid: &Tape,
+        solid: &Roots,
         rays: &[Ray],
         settings: &Settings,
     ) -> Vec<Outcome> {
@@ -85,7 +82,7 @@ impl Conditions {
         let method = match settings.method {
             Method::Sampled { .. } => settings.method,
             // Nothing can be proved of a black box.
-            _ if self.field.has_black_box() => Method::Sampled { step: settings.size / 256.0 },
+            _ if self.field.sign.has_black_box() => Method::Sampled { step: settings.size / 256.0 },
             method => method,
         };
         let of_conditions = Settings { method, surface: false, caps: true, ..of_solid };
@@ -123,8 +120,8 @@ impl Conditions {
                     memory.points.input(axis, 0)[lane] = place[axis];
                 }
             }
-            memory.boxes.run(&self.field, block.len());
-            memory.points.run(&self.field, block.len());
+            memory.boxes.run(&self.field.sign, block.len());
+            memory.points.run(&self.field.sign, block.len());
             let (lo, hi) = (memory.boxes.output(0, 0), memory.boxes.output(0, 1));
             let value = memory.points.output(0, 0);
             all.extend((0..block.len()).map(|lane| match (hi[lane] < 0.0, lo[lane] > 0.0) {
@@ -140,13 +137,13 @@ impl Conditions {
 /// Traces the rays of one stage; their places, and what they found.
 fn ask(
     asker: &mut Asker,
-    tape: &Tape,
+    field: &Roots,
     (lanes, stage): (&[Lane], Stage),
     settings: &Settings,
 ) -> (Vec<usize>, Vec<Outcome>) {
     let places: Vec<usize> = (0..lanes.len()).filter(|&i| lanes[i].stage == stage).collect();
     let rays: Vec<Ray> = places.iter().map(|&i| lanes[i].ray).collect();
-    let found = if rays.is_empty() { Vec::new() } else { asker.tracer.first_hits(tape, &rays, settings) };
+    let found = if rays.is_empty() { Vec::new() } else { field.first_hits(asker, &rays, settings) };
     (places, found)
 }
 

@@ -201,7 +201,7 @@ impl Moved {
 
 impl Surface {
     /// As it is met in the space of its solid.
-    fn unmoved(instance: usize, part: usize, meeting: &Meeting) -> Self {
+    pub(crate) fn unmoved(instance: usize, part: usize, meeting: &Meeting) -> Self {
         Self {
             part,
             instance,
@@ -214,6 +214,7 @@ impl Surface {
             cap: meeting.cap,
             jump: meeting.jump,
             gradient_place: meeting.gradient_place,
+            gradient: meeting.gradient,
         }
     }
 

@@ -12,10 +12,10 @@
 //! in proportion; that is no bounce. Certificates of pixels are about the first hits of their own rays.
 
 use crate::bsdf::{Chance, Meeting, Onward, Scatter};
-use crate::lamps::{Lamps, Seen, choice};
+use crate::lamps::{Lamps, Seen, Sent, Wishes, choice};
 use crate::media::Media;
 use crate::query::{Answer, Asker, Prepared, Surface};
-use crate::sampling::{derive, point};
+use crate::sampling::Draw;
 use crate::sky::Sky;
 use fieldstone_scene::{Appearance, Rgb};
 use glam::DVec3;
@@ -25,7 +25,7 @@ const FAINTEST: f64 = 1.0 / 8192.0;
 
 /// From so many rays of a sample on, what counts as faint grows, with their third power: after eight times as many about
 /// sixteen are followed at a time, after sixteen times as many two.
-const MANY: u32 = 64;
+const MANY: u32 = 40;
 
 /// How many surfaces a ray passes straight, where they are not opaque, before it ends.
 const MOST_PASSED: u16 = 256;
@@ -46,10 +46,8 @@ pub(crate) struct EyeRay {
     pub(crate) origin: DVec3,
     /// A unit vector.
     pub(crate) direction: DVec3,
-    /// What chance depends on: the same for all samples of a pixel.
-    pub(crate) seed: u32,
-    /// Which sample of the pixel it is.
-    pub(crate) index: u32,
+    /// What chance depends on.
+    pub(crate) draw: Draw,
 }
 
 /// What a ray brings back.
@@ -62,7 +60,9 @@ pub(crate) struct Sample {
     pub(crate) colour: Rgb,
     /// How much of the background is covered.
     pub(crate) alpha: f64,
-    /// Whether chance had a part in the colour.
+    /// The variance of its luminance by the choice of places on lamps and of directions of the sky.
+    pub(crate) variance: f64,
+    /// Whether other rays might have been followed, so that its variance is not known.
     pub(crate) by_chance: bool,
     /// How many rays were followed for it.
     followed: u32,
@@ -84,8 +84,22 @@ struct Path {
     of_sight: bool,
     sees_lamps: bool,
     by_chance: bool,
-    seed: u32,
-    index: u32,
+    draw: Draw,
+}
+
+/// What a thread needs to follow light.
+#[derive(Default)]
+pub(crate) struct Worker {
+    pub(crate) asker: Asker,
+    wishes: Wishes,
+}
+
+/// Rays that look for surfaces together.
+struct Wave<'w> {
+    paths: &'w [Path],
+    /// Which of them met a surface, and the surfaces, with the directions from which they are seen.
+    hits: Vec<usize>,
+    surfaces: Vec<(Surface, DVec3)>,
 }
 
 /// Follows light through a scene.
@@ -103,7 +117,7 @@ impl<'s, 'p> Integrator<'s, 'p> {
     }
 
     /// What comes back along each ray from the eye.
-    pub(crate) fn radiance(&self, asker: &mut Asker, rays: &[EyeRay]) -> Vec<Sample> {
+    pub(crate) fn radiance(&self, worker: &mut Worker, rays: &[EyeRay]) -> Vec<Sample> {
         let bounces_left = self.prepared.scene.settings().bounces;
         let start = |(sample, ray): (usize, &EyeRay)| Path {
             origin: ray.origin,
@@ -116,26 +130,26 @@ impl<'s, 'p> Integrator<'s, 'p> {
             of_sight: true,
             sees_lamps: true,
             by_chance: false,
-            seed: ray.seed,
-            index: ray.index,
+            draw: ray.draw,
         };
         let first: Vec<Path> = rays.iter().enumerate().map(start).collect();
-        let answers = self.surfaces(asker, &first);
+        let answers = self.surfaces(&mut worker.asker, &first);
         let empty = |answer: &Answer| Sample {
             answer: *answer,
             normal: DVec3::ZERO,
             colour: DVec3::ZERO,
             alpha: 0.0,
+            variance: 0.0,
             by_chance: false,
             followed: 1,
         };
         let mut samples: Vec<Sample> = answers.iter().map(empty).collect();
-        let mut waiting = self.follow(asker, &first, &answers, &mut samples);
+        let mut waiting = self.follow(worker, &first, &answers, &mut samples);
         while !waiting.is_empty() {
             // The last ones first: what waits stays little, however rays branch.
             let wave = waiting.split_off(waiting.len().saturating_sub(TOGETHER));
-            let answers = self.surfaces(asker, &wave);
-            waiting.extend(self.follow(asker, &wave, &answers, &mut samples));
+            let answers = self.surfaces(&mut worker.asker, &wave);
+            waiting.extend(self.follow(worker, &wave, &answers, &mut samples));
         }
         samples
     }
@@ -148,13 +162,13 @@ impl<'s, 'p> Integrator<'s, 'p> {
     /// Adds what rays bring back from what they met to their samples; the rays from which more light comes.
     fn follow(
         &self,
-        asker: &mut Asker,
+        worker: &mut Worker,
         paths: &[Path],
         answers: &[Answer],
         samples: &mut [Sample],
     ) -> Vec<Path> {
-        let mut hits: Vec<(Path, Surface)> = Vec::with_capacity(paths.len());
-        for (path, answer) in paths.iter().zip(answers) {
+        let mut wave = Wave { paths, hits: Vec::new(), surfaces: Vec::new() };
+        for (i, (path, answer)) in paths.iter().zip(answers).enumerate() {
             // Volume segments will go before the surface, front to back.
             let furthest = answer.surface.map_or(f64::INFINITY, |s| s.t);
             let _none = self.prepared.segments(&(path.origin, path.direction), furthest);
@@ -162,11 +176,14 @@ impl<'s, 'p> Integrator<'s, 'p> {
                 continue;
             }
             match answer.surface {
-                Some(surface) => hits.push((path.after(surface.t), surface)),
+                Some(surface) => {
+                    wave.hits.push(i);
+                    wave.surfaces.push((surface, path.direction));
+                }
                 None => self.leaves(path, samples),
             }
         }
-        self.scatter(asker, &hits, samples)
+        self.scatter(worker, &wave, samples)
     }
 
     /// Whether a ray meets a lamp that is a body before it has gone so far; its light is added then.
@@ -193,32 +210,25 @@ impl<'s, 'p> Integrator<'s, 'p> {
         }
     }
 
-    fn scatter(&self, asker: &mut Asker, hits: &[(Path, Surface)], samples: &mut [Sample]) -> Vec<Path> {
-        let queries: Vec<(Surface, DVec3)> = hits.iter().map(|(p, s)| (*s, p.direction)).collect();
-        let normals = self.prepared.normals(asker, &queries);
-        let looks = self.prepared.appearances(asker, &queries);
-        let crossings: Vec<Crossing> = hits
-            .iter()
-            .zip(normals.iter().zip(&looks))
-            .map(|((path, surface), (normal, look))| self.crossing(path, surface, *normal, look))
-            .collect();
-        let seen: Vec<Seen> = crossings.iter().map(Crossing::seen).collect();
-        let sent = self.lamps.light(asker, &seen);
+    fn scatter(&self, worker: &mut Worker, wave: &Wave<'_>, samples: &mut [Sample]) -> Vec<Path> {
+        let Worker { asker, wishes } = worker;
+        let normals = self.prepared.normals(asker, &wave.surfaces);
+        let looks = self.prepared.appearances(asker, &wave.surfaces);
         let mut onward = Vec::new();
-        for (crossing, sent) in crossings.iter().zip(sent) {
-            let (path, look) = (&crossing.path, &crossing.look);
+        for (hit, &path) in wave.hits.iter().enumerate() {
+            let surface = &wave.surfaces[hit].0;
+            let path = wave.paths[path].after(surface.t);
+            let crossing = self.crossing(&path, surface, normals[hit], &looks[hit]);
+            let ambient = self.lamps.ask(wishes, &crossing.seen());
             let sample = &mut samples[path.sample];
-            if path.of_sight && path.passed == 0 {
-                sample.normal = crossing.normal;
-            }
-            let unlit = if let Scatter::Unlit(colour) = crossing.scatter { colour } else { DVec3::ZERO };
-            path.bring_share(sent.colour + unlit + look.emission, look.opacity, sample);
-            sample.by_chance |= sent.by_chance;
+            crossing.shine(ambient, sample);
             let faintest = self.faintest(sample.followed);
             let before = onward.len();
             crossing.go_on(faintest, sample, &mut onward);
             sample.followed += (onward.len() - before) as u32;
+            self.lamps.grant(asker, wishes, false, |sample, sent| samples[sample].get(sent));
         }
+        self.lamps.grant(asker, wishes, true, |sample, sent| samples[sample].get(sent));
         onward
     }
 
@@ -228,49 +238,66 @@ impl<'s, 'p> Integrator<'s, 'p> {
         FAINTEST * excess.powi(3).max(1.0)
     }
 
-    fn crossing(&self, path: &Path, surface: &Surface, normal: DVec3, look: &Appearance) -> Crossing {
+    fn crossing<'c>(
+        &self,
+        path: &'c Path,
+        surface: &'c Surface,
+        normal: DVec3,
+        look: &'c Appearance,
+    ) -> Crossing<'c> {
         let solid = &self.prepared.scene.solids()[self.prepared.scene.instances()[surface.instance].solid()];
-        let passage = path.media.passage(surface.instance, look, surface.from_inside);
         // A surface without an inside, or one with holes in it, has the same on both sides.
         let thin = solid.is_surface() || !solid.conditions().is_empty();
+        let passage = path.media.passage(surface.instance, look, surface.from_inside);
         let (eta, beyond) = if thin { (look.index, path.media) } else { (passage.eta, passage.beyond) };
         let meeting = Meeting { direction: path.direction, normal, eta, thin };
         let outward = if surface.from_inside { -normal } else { normal };
         let scatter = Scatter::new(look, &meeting, outward);
-        Crossing { path: *path, surface: *surface, normal, look: *look, scatter, beyond }
+        Crossing { path, surface, normal, look, scatter, beyond }
     }
 }
 
 /// A ray at a surface.
-struct Crossing {
-    path: Path,
-    surface: Surface,
+struct Crossing<'c> {
+    /// As it arrives.
+    path: &'c Path,
+    surface: &'c Surface,
     normal: DVec3,
-    look: Appearance,
+    look: &'c Appearance,
     scatter: Scatter,
     /// The bodies that the ray is in if it goes through.
     beyond: Media,
 }
 
-impl Crossing {
-    fn seen(&self) -> Seen {
+impl Crossing<'_> {
+    fn seen(&self) -> Seen<'_> {
         Seen {
-            surface: self.surface,
+            place: self.surface.before,
             normal: self.normal,
-            scatter: self.scatter,
-            seed: self.path.seed,
-            index: self.path.index,
+            scatter: &self.scatter,
+            sample: self.path.sample,
+            weight: self.path.throughput * self.look.opacity,
+            draw: self.path.draw,
             by_chance: self.path.by_chance,
         }
     }
 
+    /// Adds the light that needs no further ray: ambient light, and what the surface gives off.
+    fn shine(&self, ambient: Rgb, sample: &mut Sample) {
+        if self.path.of_sight && self.path.passed == 0 {
+            sample.normal = self.normal;
+        }
+        let unlit = if let Scatter::Unlit(colour) = self.scatter { colour } else { DVec3::ZERO };
+        self.path.bring_share(ambient + unlit + self.look.emission, self.look.opacity, sample);
+    }
+
     /// Adds the rays from which more light comes; of those fainter than `faintest` only some.
     fn go_on(&self, faintest: f64, sample: &mut Sample, onward: &mut Vec<Path>) {
-        let (path, look) = (&self.path, &self.look);
+        let (path, look) = (self.path, self.look);
         if look.opacity < 1.0 && path.passed < MOST_PASSED {
             let throughput = path.throughput * (1.0 - look.opacity);
-            let (passed, seed) = (path.passed + 1, derive(path.seed, branch::STRAIGHT));
-            let straight = Path { origin: self.surface.behind, throughput, passed, seed, ..*path };
+            let (passed, draw) = (path.passed + 1, path.draw.branch(branch::STRAIGHT));
+            let straight = Path { origin: self.surface.behind, throughput, passed, draw, ..*path };
             onward.extend(straight.if_bright(faintest, sample));
         }
         if path.bounces_left == 0 {
@@ -278,15 +305,14 @@ impl Crossing {
         }
         // Also where the first ray is lost among the facets: another sample will see light there.
         sample.by_chance |= self.scatter.is_rough();
-        let number = |choice: u32| point(path.index, derive(path.seed, choice));
-        let chance = Chance { facet: number(choice::FACET), kind: number(choice::KIND).0 };
+        let chance = Chance { facet: path.draw.point(choice::FACET), kind: path.draw.point(choice::KIND).0 };
         for ray in self.scatter.onward(chance).into_iter().flatten() {
             onward.extend(self.bounced(&ray).if_bright(faintest, sample));
         }
     }
 
     fn bounced(&self, ray: &Onward) -> Path {
-        let path = &self.path;
+        let path = self.path;
         let (origin, media) = match ray.through {
             true => (self.surface.behind, self.beyond),
             false => (self.surface.before, path.media),
@@ -300,9 +326,17 @@ impl Crossing {
             of_sight: false,
             sees_lamps: ray.sees_lamps(),
             by_chance: path.by_chance || ray.rough,
-            seed: derive(path.seed, if ray.through { branch::THROUGH } else { branch::MIRROR }),
+            draw: path.draw.branch(if ray.through { branch::THROUGH } else { branch::MIRROR }),
             ..*path
         }
+    }
+}
+
+impl Sample {
+    /// Adds the light of a lamp or of the sky.
+    fn get(&mut self, sent: Sent) {
+        self.colour += sent.colour;
+        self.variance += sent.variance;
     }
 }
 
@@ -320,8 +354,7 @@ impl Path {
             return Some(self);
         }
         sample.by_chance |= faintest > FAINTEST;
-        let chance = f64::from(derive(self.seed, self.index)) / (1u64 << 32) as f64;
-        (chance < share).then(|| Self { throughput: self.throughput / share, ..self })
+        (self.draw.unrelated() < share).then(|| Self { throughput: self.throughput / share, ..self })
     }
 
     /// Adds light that hides all that is behind.
@@ -383,9 +416,10 @@ mod tests {
         let (prepared, sky) = (Prepared::new(scene), Sky::new(scene));
         let integrator = Integrator { many, ..Integrator::new(&prepared, &sky) };
         let direction = DVec3::new(1.0, 0.03, 0.05).normalize();
-        let ray = |index| EyeRay { origin: DVec3::new(-4.0, 0.1, 0.2), direction, seed: 7, index };
+        let draw = |index| Draw { seed: 7, index, is_first: index == 0 };
+        let ray = |index| EyeRay { origin: DVec3::new(-4.0, 0.1, 0.2), direction, draw: draw(index) };
         let rays: Vec<EyeRay> = (0..rays).map(ray).collect();
-        integrator.radiance(&mut Asker::default(), &rays)
+        integrator.radiance(&mut Worker::default(), &rays)
     }
 
     #[test]

@@ -1,27 +1,34 @@
-//! Light that comes straight from lamps and from the sky, and what is in its way.
+//! Light that comes straight from lamps and from the sky.
 //!
+//! Every surface that is seen asks for light: it makes wishes, each a ray towards a place on a lamp, or into a direction
+//! of the sky, with what it brings if nothing is in its way. Wishes of many surfaces for one lamp are granted together.
 //! Shadow rays start where the ray that looks was certainly still on its side, one bracket's width before the surface, so
-//! that there is neither acne nor leaking light. Light arrives unless something is found to block it: a shadow ray that
-//! meets nothing but places where the field is undefined, or that runs out of fuel, counts as free. Shadow rays pass
-//! transparent things in a straight line: what a lens would gather is spread evenly (no caustics). Each surface on the
-//! way lets through what is not there (opacity) and what is clear, with its colour, but for what it mirrors at a right
-//! angle; inside, light is absorbed.
+//! that there is neither acne nor leaking light.
+//!
+//! Surfaces that the picture shows faintly, as in a mirror or since they are dark, make fewer wishes, and so do all
+//! samples of a pixel but the first: their means are those of the pixel.
+//!
+//! Where it is known what an even sky sends if nothing is in its way, only the share that gets through is estimated
+//! (the ratio estimator of Heitz, Hill and McGuire 2018): in the open there is no noise at all.
 
-use crate::bsdf::{Scatter, tint};
-use crate::query::{Asker, Prepared, Surface};
-use crate::sampling::{derive, point};
+use crate::bsdf::Scatter;
+use crate::query::{Asker, Prepared};
+use crate::sampling::{Draw, derive, luminance};
+use crate::shadows::{ShadowRay, Shadows};
 use crate::sky::Sky;
-use fieldstone_scene::{Appearance, Channel, Illumination, Light, Rgb, Scene, Shading};
+use fieldstone_scene::{Environment, Illumination, Light, Rgb};
 use glam::DVec3;
-
-/// How many surfaces let the light of a lamp through one after the other; it ends at the next.
-const MOST_SURFACES: usize = 64;
-
-/// Light fainter than this part of what the lamp sends is not followed further.
-const FAINTEST: f64 = 1e-3;
+use std::f64::consts::PI;
 
 /// About how many shadow rays are asked for together.
 const TOGETHER: usize = 1 << 14;
+
+/// Surfaces whose light counts less than this in the picture look at fewer places, in proportion.
+const FAINT: f64 = 0.25;
+
+/// From so many directions on, the share that gets through is taken for that of all the sky's light. The error of a
+/// ratio of means falls with their number.
+const ENOUGH: u32 = 4;
 
 /// The choices that points of a pixel's sequences stand for.
 pub(crate) mod choice {
@@ -34,14 +41,16 @@ pub(crate) mod choice {
 }
 
 /// A surface that is seen, and how it scatters light.
-pub(crate) struct Seen {
-    pub(crate) surface: Surface,
+pub(crate) struct Seen<'c> {
+    /// The last place that is certainly before it.
+    pub(crate) place: DVec3,
     pub(crate) normal: DVec3,
-    pub(crate) scatter: Scatter,
+    pub(crate) scatter: &'c Scatter,
+    /// Which sample of the picture the light is for, and what it is multiplied by on its way there.
+    pub(crate) sample: usize,
+    pub(crate) weight: Rgb,
     /// What chance depends on here.
-    pub(crate) seed: u32,
-    /// Which sample of the pixel it is.
-    pub(crate) index: u32,
+    pub(crate) draw: Draw,
     /// Whether one place on each lamp is enough, because chance led here already.
     pub(crate) by_chance: bool,
 }
@@ -50,169 +59,210 @@ pub(crate) struct Seen {
 pub(crate) struct Lamps<'s, 'p> {
     prepared: &'p Prepared<'s>,
     sky: &'p Sky<'s>,
-    lets_light_through: bool,
+    shadows: Shadows<'s, 'p>,
 }
 
 /// A shadow ray, and what it brings if nothing is in its way.
+#[derive(Clone, Copy)]
 struct Wish {
-    hit: usize,
-    direction: DVec3,
-    distance: f64,
+    ray: ShadowRay,
     brings: Rgb,
 }
 
-/// What surfaces send back, and whether chance had a part in it.
-#[derive(Clone, Copy, Debug, Default)]
+/// The wishes of one surface for one lamp.
+struct Estimate {
+    sample: usize,
+    /// How many of the wishes are its own, and of how many directions they are what is lit.
+    wishes: usize,
+    directions: u32,
+    /// What all bring if nothing is in the way, where that is known exactly.
+    whole: Option<Rgb>,
+    /// Whether another choice of directions would bring something else.
+    by_chance: bool,
+}
+
+/// Wishes for one lamp, or for the sky.
+#[derive(Default)]
+struct Asked {
+    wishes: Vec<Wish>,
+    estimates: Vec<Estimate>,
+}
+
+/// Wishes for all light. A thread keeps it, since memory is dear to get.
+#[derive(Default)]
+pub(crate) struct Wishes {
+    /// Of each lamp; the last are those for the sky.
+    asked: Vec<Asked>,
+}
+
+/// What a surface sends back.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sent {
     pub(crate) colour: Rgb,
-    pub(crate) by_chance: bool,
+    /// The variance of its luminance, as far as it comes of chance.
+    pub(crate) variance: f64,
 }
 
 impl<'s, 'p> Lamps<'s, 'p> {
     pub(crate) fn new(prepared: &'p Prepared<'s>, sky: &'p Sky<'s>) -> Self {
-        Self { prepared, sky, lets_light_through: lets_light_through(prepared.scene) }
+        Self { prepared, sky, shadows: Shadows::new(prepared) }
     }
 
-    /// The lamps' and the sky's light that surfaces send back against their rays.
-    pub(crate) fn light(&self, asker: &mut Asker, seen: &[Seen]) -> Vec<Sent> {
+    /// Asks for the light that a surface sends back against its ray; what the ambient light brings, it has at once.
+    pub(crate) fn ask(&self, wishes: &mut Wishes, seen: &Seen<'_>) -> Rgb {
         let lighting = self.prepared.scene.lighting();
-        let ambient = |s: &Seen| Sent { colour: s.scatter.diffuse() * lighting.ambient, by_chance: false };
-        let mut sent: Vec<Sent> = seen.iter().map(ambient).collect();
-        for (number, light) in (0..).zip(&lighting.lights) {
-            self.add_lamp(asker, seen, (number, light), &mut sent);
-        }
-        self.add_sky(asker, seen, &mut sent);
-        sent
-    }
-
-    fn add_lamp(&self, asker: &mut Asker, seen: &[Seen], (number, light): (u32, &Light), sent: &mut [Sent]) {
-        let mut wishes = Vec::new();
-        for (hit, s) in seen.iter().enumerate().filter(|(_, s)| s.scatter.is_lit()) {
-            let samples = if s.by_chance { 1 } else { light.samples() };
-            let seed = derive(s.seed, choice::LAMP + number);
-            for k in 0..samples {
-                let place = point(s.index.wrapping_mul(samples).wrapping_add(k), seed);
-                let Some(arriving) = light.sample(s.surface.before, place) else { continue };
-                let Illumination { to_light, distance, colour } = arriving;
-                if to_light.dot(s.normal) <= 0.0 {
-                    continue;
-                }
-                let brings = colour * s.scatter.respond(to_light) / f64::from(samples);
-                if brings.max_element() > 0.0 {
-                    wishes.push(Wish { hit, direction: to_light, distance, brings });
-                    sent[hit].by_chance |= light.is_area();
-                }
+        wishes.asked.resize_with(lighting.lights.len() + 1, Asked::default);
+        if seen.scatter.is_lit() {
+            for (number, light) in (0..).zip(&lighting.lights) {
+                let asked = &mut wishes.asked[number as usize];
+                self.ask_lamp(asked, seen, (number, light));
+            }
+            if let (Some(environment), Some(asked)) = (self.sky.environment(), wishes.asked.last_mut()) {
+                self.ask_sky(asked, seen, environment);
             }
         }
-        for some in wishes.chunks(TOGETHER) {
-            self.grant(asker, seen, some, light.casts_shadow(), sent);
-        }
+        seen.scatter.diffuse() * lighting.ambient
     }
 
-    fn add_sky(&self, asker: &mut Asker, seen: &[Seen], sent: &mut [Sent]) {
-        let Some(environment) = self.sky.environment() else { return };
-        let mut wishes = Vec::new();
-        for (hit, s) in seen.iter().enumerate().filter(|(_, s)| s.scatter.diffuse() != DVec3::ZERO) {
-            let samples = if s.by_chance { 1 } else { environment.samples() };
-            let seed = derive(s.seed, choice::SKY);
-            for k in 0..samples {
-                sent[hit].by_chance = true;
-                let square = point(s.index.wrapping_mul(samples).wrapping_add(k), seed);
-                let Some(look) = self.sky.look(s.normal, square) else { continue };
-                let light = environment.light(s.surface.before, look.direction) * look.weight;
-                let brings = light * s.scatter.diffuse() / f64::from(samples);
-                wishes.push(Wish { hit, direction: look.direction, distance: f64::INFINITY, brings });
-            }
-        }
-        for some in wishes.chunks(TOGETHER) {
-            self.grant(asker, seen, some, true, sent);
-        }
+    fn ask_lamp(&self, asked: &mut Asked, seen: &Seen<'_>, (number, light): (u32, &Light)) {
+        let samples = light.samples();
+        let directions = self.directions(seen, samples, 1.0);
+        let lit = seen.draw.points(choice::LAMP + number, directions).filter_map(|place| {
+            let Illumination { to_light, distance, colour } = light.sample(seen.place, place)?;
+            let brings = seen.weight * colour * seen.scatter.respond(to_light) / f64::from(directions);
+            let is_lit = to_light.dot(seen.normal) > 0.0 && brings.max_element() > 0.0;
+            let ray = seen.ray((to_light, distance), brings);
+            is_lit.then_some(Wish { ray, brings })
+        });
+        asked.add(lit, |wishes| Estimate {
+            sample: seen.sample,
+            wishes,
+            directions,
+            whole: None,
+            by_chance: light.is_area(),
+        });
     }
 
-    /// Adds what wishes bring, as far as nothing is in their way.
-    fn grant(&self, asker: &mut Asker, seen: &[Seen], wishes: &[Wish], shadows: bool, sent: &mut [Sent]) {
-        if !shadows {
-            wishes.iter().for_each(|wish| sent[wish.hit].colour += wish.brings);
+    fn ask_sky(&self, asked: &mut Asked, seen: &Seen<'_>, environment: &Environment) {
+        let (diffuse, highlight) = (seen.scatter.diffuse(), seen.scatter.highlight());
+        let share = diffuse.max_element() + highlight.map_or(0.0, |h| h.albedo());
+        if share <= 0.0 {
             return;
         }
-        let rays: Vec<_> = wishes.iter().map(|w| (seen[w.hit].surface.before, w.direction)).collect();
-        let distances: Vec<f64> = wishes.iter().map(|w| w.distance).collect();
-        let blocked = self.prepared.blocked(asker, &rays, &distances);
-        let free = wishes.iter().zip(&blocked).filter(|(_, blocked)| !**blocked);
-        free.for_each(|(wish, _)| sent[wish.hit].colour += wish.brings);
-        if self.lets_light_through {
-            let dimmed: Vec<usize> = (0..wishes.len()).filter(|&i| blocked[i]).collect();
-            let rays: Vec<_> = dimmed.iter().map(|&i| rays[i]).collect();
-            let distances: Vec<f64> = dimmed.iter().map(|&i| distances[i]).collect();
-            for (&i, left) in dimmed.iter().zip(self.left_after(asker, rays, distances)) {
-                sent[wishes[i].hit].colour += wishes[i].brings * left;
-            }
-        }
+        let samples = environment.samples();
+        let directions = self.directions(seen, samples, share);
+        let points = seen.draw.points(choice::SKY, directions);
+        let lit = points.filter_map(|square| {
+            let look = self.sky.look(seen.normal, highlight.as_ref(), square)?;
+            let mut response = diffuse * look.direction.dot(seen.normal);
+            response += highlight.map_or(0.0, |h| h.respond(look.direction));
+            let light = environment.light(seen.place, look.direction);
+            let weight = 1.0 / (PI * look.density * f64::from(directions));
+            let brings = seen.weight * light * response * weight;
+            Some(Wish { ray: seen.ray((look.direction, f64::INFINITY), brings), brings })
+        });
+        let whole = environment.on_matt(seen.normal).filter(|_| highlight.is_none());
+        asked.add(lit, |wishes| Estimate {
+            sample: seen.sample,
+            wishes,
+            directions,
+            whole: whole.map(|light| seen.weight * light * diffuse),
+            by_chance: true,
+        });
     }
 
-    /// What is left of the light that comes along rays, over these distances, through everything in their way.
-    fn left_after(
+    /// How many places of so many that are asked for a surface looks at, if it sends back this share of the light.
+    fn directions(&self, seen: &Seen<'_>, samples: u32, share: f64) -> u32 {
+        if seen.by_chance || samples == 1 {
+            return 1;
+        }
+        let counts = (seen.weight.max_element() * share / FAINT).min(1.0);
+        let among = if seen.draw.is_first { 1.0 } else { self.share_of_later() };
+        ((f64::from(samples) * counts * among).ceil() as u32).clamp(1, samples)
+    }
+
+    /// What each sample of a pixel but the first looks at: together about twice as much as the first.
+    fn share_of_later(&self) -> f64 {
+        (2.0 / f64::from(self.prepared.scene.settings().samples)).min(1.0)
+    }
+
+    /// Grants what has been asked for, if that is much or `all` is wanted: tells `take` for each sample what it gets.
+    pub(crate) fn grant(
         &self,
         asker: &mut Asker,
-        mut rays: Vec<(DVec3, DVec3)>,
-        mut distances: Vec<f64>,
-    ) -> Vec<Rgb> {
-        let mut left = vec![DVec3::ONE; rays.len()];
-        let mut on_the_way: Vec<usize> = (0..rays.len()).collect();
-        for _ in 0..MOST_SURFACES {
-            let answers = self.prepared.blockers(asker, &rays, &distances);
-            let met: Vec<(usize, Surface)> =
-                (0..rays.len()).filter_map(|i| answers[i].surface.map(|s| (i, s))).collect();
-            let hits: Vec<_> = met.iter().map(|&(i, s)| (s, rays[i].1)).collect();
-            let looks = self.prepared.appearances(asker, &hits);
-            let (mut next_rays, mut next_distances, mut next) = (Vec::new(), Vec::new(), Vec::new());
-            for (&(i, surface), look) in met.iter().zip(&looks) {
-                let light = &mut left[on_the_way[i]];
-                *light *= passes(look, surface.from_inside, surface.t);
-                if light.max_element() < FAINTEST {
-                    *light = DVec3::ZERO;
-                    continue;
-                }
-                next_rays.push((surface.behind, rays[i].1));
-                next_distances.push(distances[i] - surface.t);
-                next.push(on_the_way[i]);
+        wishes: &mut Wishes,
+        all: bool,
+        mut take: impl FnMut(usize, Sent),
+    ) {
+        let shadows = self.prepared.scene.lighting().lights.iter().map(Light::casts_shadow);
+        for (asked, casts_shadow) in wishes.asked.iter_mut().zip(shadows.chain([true])) {
+            if asked.wishes.is_empty() || (!all && asked.wishes.len() < TOGETHER) {
+                continue;
             }
-            (rays, distances, on_the_way) = (next_rays, next_distances, next);
-            if rays.is_empty() {
-                return left;
+            let left = match casts_shadow {
+                true => self.shadows.left(asker, asked.wishes.iter().map(|wish| wish.ray)),
+                false => vec![DVec3::ONE; asked.wishes.len()],
+            };
+            let mut start = 0;
+            for estimate in &asked.estimates {
+                let end = start + estimate.wishes;
+                take(estimate.sample, estimate.sent(&asked.wishes[start..end], &left[start..end]));
+                start = end;
             }
+            asked.wishes.clear();
+            asked.estimates.clear();
         }
-        on_the_way.into_iter().for_each(|i| left[i] = DVec3::ZERO);
-        left
     }
 }
 
-/// What of a lamp's light passes a surface after a length of the way, which it went inside of the body if it leaves it.
-fn passes(look: &Appearance, from_inside: bool, length: f64) -> Rgb {
-    let clear = match look.shading {
-        Shading::BlinnPhong { .. } if look.fresnel => {
-            look.transmission * (1.0 - crate::bsdf::fresnel::at_normal(look.index))
-        }
-        Shading::BlinnPhong { .. } => look.transmission * (1.0 - look.reflection),
-        Shading::Ggx { .. } => {
-            let mirrored = crate::bsdf::fresnel::at_normal(look.index);
-            look.transmission * (1.0 - look.metallic) * (1.0 - mirrored)
-        }
-        Shading::Gradient => 0.0,
-    };
-    let absorbs = from_inside && look.absorption != DVec3::ZERO;
-    let inside = if absorbs { (-look.absorption * length).exp() } else { DVec3::ONE };
-    inside * (DVec3::splat(1.0 - look.opacity) + tint(look.colour) * (clear * look.opacity))
+impl Seen<'_> {
+    /// A shadow ray in a direction, over a distance.
+    fn ray(&self, (direction, distance): (DVec3, f64), brings: Rgb) -> ShadowRay {
+        let seed = derive(self.draw.seed ^ direction.x.to_bits() as u32, self.draw.index);
+        ShadowRay { origin: self.place, direction, distance, worth: brings.max_element(), seed }
+    }
 }
 
-/// Whether light gets through anything in a scene.
-fn lets_light_through(scene: &Scene) -> bool {
-    let parts = scene.solids().iter().flat_map(|solid| solid.parts());
-    let mut materials = parts.flat_map(|p| p.materials.iter().map(|m| &m.material).chain(&p.back));
-    materials.any(|material| {
-        let base = material.base();
-        let by_texture = |c: Channel| matches!(c, Channel::Opacity | Channel::Transmission);
-        let textured = material.textures().iter().any(|texture| by_texture(texture.channel));
-        textured || base.opacity < 1.0 || base.transmission > 0.0
-    })
+impl Asked {
+    fn add(&mut self, wishes: impl Iterator<Item = Wish>, estimate: impl FnOnce(usize) -> Estimate) {
+        let before = self.wishes.len();
+        self.wishes.extend(wishes);
+        let added = self.wishes.len() - before;
+        if added > 0 {
+            self.estimates.push(estimate(added));
+        }
+    }
+}
+
+impl Estimate {
+    /// What the wishes bring, if this is left of each.
+    fn sent(&self, wishes: &[Wish], left: &[Rgb]) -> Sent {
+        let (mut came, mut all, mut squares) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        let (mut some_blocked, mut some_came) = (false, false);
+        for (wish, &left) in wishes.iter().zip(left) {
+            let light = wish.brings * left;
+            came += light;
+            all += wish.brings;
+            squares += luminance(light) * luminance(light);
+            some_blocked |= left != DVec3::ONE;
+            some_came |= left != DVec3::ZERO;
+        }
+        let whole = self.whole.filter(|_| self.directions >= ENOUGH);
+        let colour = whole.map_or(came, |whole| whole * came / all.max(DVec3::splat(f64::MIN_POSITIVE)));
+        let n = f64::from(self.directions);
+        let spread = match self.directions {
+            // Nothing is known; half of it may be in the way.
+            1 => 0.25 * luminance(all) * luminance(all),
+            _ => ((n * squares - luminance(came) * luminance(came)) / (n - 1.0)).max(0.0),
+        };
+        let variance = match (self.by_chance, some_blocked && some_came) {
+            (false, _) => 0.0,
+            // The edge of a shadow: the error of evenly spread places falls about as n to −3/4.
+            (true, true) => spread / n.sqrt(),
+            (true, false) if whole.is_some() || !some_came => 0.0,
+            // Without shadows light varies smoothly: of evenly spread places the error falls as their number.
+            (true, false) => spread / n,
+        };
+        Sent { colour, variance }
+    }
 }

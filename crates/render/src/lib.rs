@@ -5,6 +5,7 @@
 //! which there are none yet). A first pass looks through the centre of every pixel; a second takes more samples where
 //! neighbours differ.
 //!
+//! A [`Viewer`] draws distances and normals only, frame after frame, without preparing the scene again.
 //! [`draw_slice`] draws a field on a plane instead.
 
 mod bsdf;
@@ -15,14 +16,20 @@ mod integrator;
 mod jump;
 mod lamps;
 mod media;
+mod noise;
 mod object;
 mod owner;
 mod query;
+mod refine;
+mod roots;
 mod sampling;
+mod shadows;
+mod sight;
 mod sky;
 mod slice;
 mod tile;
 
+pub use sight::{Sight, Viewer};
 pub use slice::{
     FoundWindow, MAX_SLICE_PIXELS, Slice, SliceError, SlicePicture, SliceStats, SliceStyle, Window,
     WindowExtent, draw_slice, find_window,

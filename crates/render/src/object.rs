@@ -4,7 +4,8 @@ use crate::conditions::Conditions;
 use crate::jump::Probe;
 use crate::owner::Owners;
 use crate::query::Asker;
-use fieldstone_field::{F64, Points, Reading, Tape, TapeOptions, Workspace};
+use crate::roots::Roots;
+use fieldstone_field::{F64, Points, Tape, TapeOptions, Workspace};
 use fieldstone_scene::{Method, NORMAL_INPUTS, RaySpan, Scene, Solid};
 use fieldstone_trace::{Certificate, Outcome, Ray, Settings};
 use glam::DVec3;
@@ -56,6 +57,8 @@ pub(crate) struct Meeting {
     pub(crate) jump: bool,
     /// Where the gradient of the field is the normal. At a double root there is none, but a hair before it there is.
     pub(crate) gradient_place: DVec3,
+    /// The gradient, if it is known already.
+    pub(crate) gradient: Option<DVec3>,
 }
 
 /// What was found along a ray.
@@ -69,8 +72,8 @@ pub(crate) struct Found {
 /// A solid with its programs compiled.
 pub(crate) struct Object<'s> {
     pub(crate) solid: &'s Solid,
-    /// The value, for its sign.
-    pub(crate) sign: Tape,
+    /// Where the value is 0.
+    pub(crate) roots: Roots,
     /// The value with the attributes.
     pub(crate) attributes: Tape,
     /// Whether the attributes vary with the normal, whose components follow x, y and z then.
@@ -87,7 +90,7 @@ pub(crate) struct Object<'s> {
 impl<'s> Object<'s> {
     pub(crate) fn new(solid: &'s Solid, scene: &Scene, first_part: usize) -> Self {
         let options = TapeOptions { bindings: solid.bindings().clone(), ..TapeOptions::default() };
-        let sign = Tape::new(solid.field(), &TapeOptions { reading: Reading::Sign, ..options.clone() });
+        let roots = Roots::new(solid.field(), solid.bindings(), solid.bounds());
         let reads_normals = solid.field().inputs().iter().any(|input| NORMAL_INPUTS.contains(input));
         let mut varying = options.varying.clone();
         if reads_normals {
@@ -95,14 +98,14 @@ impl<'s> Object<'s> {
         }
         let attributes = Tape::new(solid.field(), &TapeOptions { attributes: true, varying, ..options });
         let coarse = scene.settings().shadow_tolerance;
-        let settings = |tolerance| trace_settings(scene, solid, tolerance, sign.has_black_box());
+        let settings = |tolerance| trace_settings(scene, solid, tolerance, roots.sign.has_black_box());
         let (settings, shadow_settings) = (settings(None), settings(coarse));
-        let conditions = (!solid.conditions().is_empty()).then(|| Conditions::new(solid, sign.len()));
+        let conditions = (!solid.conditions().is_empty()).then(|| Conditions::new(solid, roots.sign.len()));
         let owners =
             (solid.parts().len() > 1).then(|| Owners::new(solid, settings.tolerance * settings.size));
         Self {
             solid,
-            sign,
+            roots,
             attributes,
             reads_normals,
             first_part,
@@ -111,6 +114,11 @@ impl<'s> Object<'s> {
             settings,
             shadow_settings,
         }
+    }
+
+    /// Whether rays certainly meet nothing whose origins and directions, of any length, lie between the four given.
+    pub(crate) fn is_clear(&self, asker: &mut Asker, hull: &[([f64; 3], [f64; 3]); 4]) -> bool {
+        self.roots.is_clear(asker, hull, &self.settings)
     }
 
     /// The surfaces that rays meet: `take` is told what each of them finds, in their order.
@@ -131,18 +139,23 @@ impl<'s> Object<'s> {
             any_hit: sought == Sought::AnyBlocker,
             ..*settings
         };
-        let shared = asker.tracer.shared_cost();
-        let outcomes = match &self.conditions {
-            None => asker.tracer.first_hits(&self.sign, &to_trace, &settings),
-            Some(conditions) => conditions.first_hits(asker, &self.sign, &to_trace, &settings),
+        let (outcomes, gradients) = match &self.conditions {
+            None if sought == Sought::Nearest => {
+                self.roots.first_hits_with_gradients(asker, &to_trace, &settings)
+            }
+            None => (self.roots.first_hits(asker, &to_trace, &settings), None),
+            Some(conditions) => (conditions.first_hits(asker, &self.roots, &to_trace, &settings), None),
         };
-        asker.evaluations += asker.tracer.shared_cost() - shared;
         asker.evaluations += outcomes.iter().map(|o| u64::from(o.cost)).sum::<u64>();
         for (i, outcome) in outcomes.iter().enumerate() {
             let span = spans[i].as_ref();
             // Only what the ray enters from outside of the bounds begins on a cap.
             let entered = span.filter(|span| span.enter > rays[i].start);
-            take(i, self.found(outcome, &to_trace[i], (entered, span)));
+            let mut found = self.found(outcome, &to_trace[i], (entered, span));
+            if let (Some(meeting), Some(gradients)) = (&mut found.meeting, &gradients) {
+                meeting.gradient = Some(DVec3::from_array(gradients[i]));
+            }
+            take(i, found);
         }
     }
 
@@ -170,6 +183,7 @@ impl<'s> Object<'s> {
                     from_inside: !hit.entering,
                     jump: hit.jump,
                     gradient_place,
+                    gradient: None,
                 })
             }
             (None, (_, Some(span))) if outcome.ends_inside && capped && ray.end >= span.exit => {
@@ -197,6 +211,7 @@ impl<'s> Object<'s> {
             from_inside,
             jump: false,
             gradient_place: place,
+            gradient: None,
         }
     }
 
@@ -208,7 +223,7 @@ impl<'s> Object<'s> {
         place: DVec3,
         direction: DVec3,
     ) -> DVec3 {
-        let (tape, size) = (&self.sign, self.settings.size);
+        let (tape, size) = (&self.roots.sign, self.settings.size);
         let normal = Probe { points, tape, place, size }.normal().unwrap_or(-direction);
         normal - 2.0 * normal.dot(direction).max(0.0) * direction
     }

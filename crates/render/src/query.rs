@@ -9,6 +9,7 @@ use crate::object::{Object, Sought};
 use crate::owner::Bracket;
 use fieldstone_field::{F64, Gradients, LANES, Points, Workspace};
 use fieldstone_scene::{Appearance, Instance, Scene};
+use fieldstone_space::Walker;
 use fieldstone_trace::{Certificate, Tracer};
 use glam::DVec3;
 
@@ -46,6 +47,8 @@ pub(crate) struct Surface {
     pub(crate) jump: bool,
     /// Where the gradient of the field is the normal, in the solid's space.
     pub(crate) gradient_place: DVec3,
+    /// The gradient there, if it is known already.
+    pub(crate) gradient: Option<DVec3>,
 }
 
 /// The answer to a surface query.
@@ -63,6 +66,7 @@ pub(crate) struct Segments;
 #[derive(Default)]
 pub(crate) struct Asker {
     pub(crate) tracer: Tracer,
+    pub(crate) walker: Walker,
     gradients: Workspace<F64, Gradients>,
     points: Workspace<F64, Points>,
     pub(crate) owner: crate::owner::Memory,
@@ -177,7 +181,13 @@ impl<'s> Prepared<'s> {
         let mut normals = vec![DVec3::ZERO; hits.len()];
         for (solid, of_solid) in self.by_solid(hits) {
             let object = &self.objects[solid];
-            for block in of_solid.chunks(LANES) {
+            let (known, unknown): (Vec<usize>, Vec<usize>) =
+                of_solid.into_iter().partition(|&i| hits[i].0.gradient.is_some() || hits[i].0.cap.is_some());
+            for i in known {
+                let gradient = hits[i].0.gradient.unwrap_or_default();
+                normals[i] = self.normal(asker, object, &hits[i], gradient);
+            }
+            for block in unknown.chunks(LANES) {
                 for (lane, &i) in block.iter().enumerate() {
                     let point = hits[i].0.gradient_place;
                     for axis in 0..3 {
@@ -188,26 +198,36 @@ impl<'s> Prepared<'s> {
                         }
                     }
                 }
-                asker.gradients.run(&object.sign, block.len());
+                asker.gradients.run(&object.roots.sign, block.len());
                 asker.evaluations += block.len() as u64;
                 for (lane, &i) in block.iter().enumerate() {
                     let slope = |axis: usize| asker.gradients.output(0, 1 + axis)[lane];
                     let gradient = DVec3::new(slope(0), slope(1), slope(2));
-                    let (surface, direction) = &hits[i];
-                    let frame = self.frame(surface);
-                    let direction = frame.direction(*direction);
-                    let smooth = || gradient.try_normalize().filter(|n| n.is_finite() && !surface.jump);
-                    let normal = surface.cap.or_else(smooth);
-                    let normal = normal.unwrap_or_else(|| {
-                        let place = frame.place(0.5 * (surface.before + surface.behind));
-                        object.probe_normal(&mut asker.points, place, direction)
-                    });
-                    let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-                    normals[i] = frame.world_normal(normal);
+                    normals[i] = self.normal(asker, object, &hits[i], gradient);
                 }
             }
         }
         normals
+    }
+
+    /// The unit normal of a hit with this gradient, turned against its ray.
+    fn normal(
+        &self,
+        asker: &mut Asker,
+        object: &Object<'_>,
+        (surface, direction): &(Surface, DVec3),
+        gradient: DVec3,
+    ) -> DVec3 {
+        let frame = self.frame(surface);
+        let direction = frame.direction(*direction);
+        let smooth = || gradient.try_normalize().filter(|n| n.is_finite() && !surface.jump);
+        let normal = surface.cap.or_else(smooth);
+        let normal = normal.unwrap_or_else(|| {
+            let place = frame.place(0.5 * (surface.before + surface.behind));
+            object.probe_normal(&mut asker.points, place, direction)
+        });
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        frame.world_normal(normal)
     }
 
     /// How surfaces look.

@@ -1,8 +1,12 @@
-//! Numbers that look random: evenly spread for the samples of a pixel, unrelated between pixels and between uses.
+//! Numbers that look random: evenly spread for the samples of a pixel and over neighbouring pixels, unrelated between uses.
 //!
 //! Points of the first two dimensions of Sobol's sequence, a (0,2)-sequence: any 2ᵏ in a row that start at a multiple of
 //! 2ᵏ are as evenly spread over the square as 2ᵏ points can be. Owen's scrambling by hashing (Burley 2020) makes others of
-//! them for every seed, with the same property. Nothing depends on time or threads.
+//! them for every seed, with the same property.
+//!
+//! The pixels of a region share a sequence, of which they take pieces in the order of a Z curve: so the points of each
+//! 2 × 2 pixels, 4 × 4 and so on are evenly spread too, and what noise there is has no low frequencies, which the eye sees
+//! best (Ahmed and Wonka 2020). Nothing depends on time or threads.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -53,6 +57,66 @@ pub(crate) fn point(index: u32, seed: u32) -> (f64, f64) {
     let unit = |x: u32| f64::from(x) / (1u64 << 32) as f64;
     let (x, y) = (index.reverse_bits(), second_dimension(index));
     (unit(scramble(x, derive(seed, 1))), unit(scramble(y, derive(seed, 2))))
+}
+
+/// The luminance of light, by the weights of ITU-R BT.709.
+pub(crate) fn luminance(light: fieldstone_scene::Rgb) -> f64 {
+    light.dot(glam::DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// The numbers of a pixel's sample: points `index` of the sequences of seeds that are derived from `seed`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Draw {
+    pub(crate) seed: u32,
+    pub(crate) index: u32,
+    /// Whether it is the first sample of its pixel.
+    pub(crate) is_first: bool,
+}
+
+/// The side of a region whose pixels share a sequence; a power of 2.
+const REGION: u32 = 32;
+
+impl Draw {
+    /// Those of a sample of a pixel, from 0 on. The samples that are taken together, 0, 1 to 3, 4 to 7, 8 to 15 and so
+    /// on, share sequences with those of other pixels.
+    pub(crate) fn new((x, y): (u32, u32), sample: u32) -> Self {
+        // Not of both coordinates alike, or noise would be mirrored about the diagonal.
+        let region = hash(hash(x / REGION).wrapping_add(y / REGION));
+        let rank = interleave(x % REGION) | interleave(y % REGION) << 1;
+        let (set, each, place) = match sample {
+            0 => (0, 1, 0),
+            1..=3 => (1, 4, sample),
+            _ => (sample.ilog2(), 1 << sample.ilog2(), sample - (1 << sample.ilog2())),
+        };
+        let index = rank.wrapping_mul(each).wrapping_add(place);
+        Self { seed: derive(region, set), index, is_first: sample == 0 }
+    }
+
+    /// The numbers of a ray that parts from this one.
+    pub(crate) fn branch(self, choice: u32) -> Self {
+        Self { seed: derive(self.seed, choice), ..self }
+    }
+
+    /// The point for a choice.
+    pub(crate) fn point(self, choice: u32) -> (f64, f64) {
+        point(self.index, derive(self.seed, choice))
+    }
+
+    /// So many points for a choice, evenly spread.
+    pub(crate) fn points(self, choice: u32, count: u32) -> impl Iterator<Item = (f64, f64)> {
+        let (first, seed) = (self.index.wrapping_mul(count.next_power_of_two()), derive(self.seed, choice));
+        (0..count).map(move |k| point(first.wrapping_add(k), seed))
+    }
+
+    /// A number from 0 to 1 that has nothing to do with its neighbours'.
+    pub(crate) fn unrelated(self) -> f64 {
+        f64::from(derive(self.seed, self.index)) / (1u64 << 32) as f64
+    }
+}
+
+/// The bits of a number below [`REGION`] with a 0 before each.
+fn interleave(x: u32) -> u32 {
+    (0..REGION.ilog2()).map(|bit| (x >> bit & 1) << (2 * bit)).sum()
 }
 
 /// From the unit square to the unit disc, keeping areas in proportion and neighbours together (Shirley and Chiu 1997).
@@ -111,6 +175,43 @@ mod tests {
         assert!(correlation.abs() < 0.06, "{correlation}");
         let mean = (0..4000).map(|s| point(0, derive(s, 5)).1).sum::<f64>() / 4000.0;
         assert!((mean - 0.5).abs() < 0.02, "{mean}");
+    }
+
+    /// The error of means over blocks of pixels, of points below a slanting line: with unrelated pixels, and as they are.
+    #[test]
+    fn neighbours_fill_each_others_gaps() {
+        let below = |(u, v): (f64, f64)| f64::from(u8::from(v < 0.2 + 0.5 * u));
+        let error = |side: u32, value: &dyn Fn((u32, u32)) -> f64| {
+            let blocks = (0..64 / side).flat_map(|v| (0..64 / side).map(move |u| (u * side, v * side)));
+            let squares = blocks.map(|(x, y)| {
+                let pixels = (0..side * side).map(|i| value((x + i % side, y + i / side)));
+                (pixels.sum::<f64>() / f64::from(side * side) - 0.45).powi(2)
+            });
+            (squares.sum::<f64>() / f64::from((64 / side) * (64 / side))).sqrt()
+        };
+        for samples in [0..1, 1..4, 4..8] {
+            let count = 4.0 * samples.len() as f64;
+            let together = |pixel| {
+                let points = samples.clone().flat_map(|i| Draw::new(pixel, i).points(7, 4));
+                points.map(below).sum::<f64>() / count
+            };
+            let alone = |(x, y)| {
+                let points = (0..4 * samples.len() as u32).map(|k| point(k, hash(x ^ hash(y))));
+                points.map(below).sum::<f64>() / count
+            };
+            assert!(error(1, &together) < 1.3 * error(1, &alone), "a pixel has no more noise: {samples:?}");
+            assert!(error(4, &together) < 0.7 * error(4, &alone), "16 pixels have less: {samples:?}");
+        }
+    }
+
+    /// Pixels of a region, and samples of a pixel, have points of their own.
+    #[test]
+    fn draws_are_different() {
+        let of = |sample| (0..64 * 64).map(move |i| Draw::new((i % 64, i / 64), sample));
+        let mut all: Vec<_> = (0..9).flat_map(of).map(|draw| (draw.seed, draw.index)).collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 9 * 64 * 64);
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! Light from where nothing is hit: looked up by rays, and gathered by matt surfaces.
 //!
 //! Matt surfaces look into a few directions, by cosine. Where an environment has lamps in it (the sun in a photograph of
-//! the sky), half of the directions are chosen by brightness, from a table; both kinds count by the density of their
-//! mixture (the balance heuristic of Veach and Guibas 1995), so that the result is right whatever the table says.
+//! the sky), half of the directions are chosen by brightness, from a table; where a surface has a highlight, some are
+//! chosen by its shape. All kinds count by the density of their mixture (the balance heuristic of Veach and Guibas 1995),
+//! so that the result is right whatever the shares are.
 
-use crate::sampling::{at_height, cosine_hemisphere};
+use crate::bsdf::Highlight;
+use crate::sampling::{at_height, cosine_hemisphere, luminance};
 use fieldstone_scene::{Environment, Rgb, Scene, Surroundings};
 use glam::{DMat3, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
@@ -25,12 +27,12 @@ pub(crate) struct Sky<'s> {
     table: Option<Table>,
 }
 
-/// A direction to look into for light, and what its light is multiplied by.
+/// A direction to look into for light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look {
     pub(crate) direction: DVec3,
-    /// The cosine against the normal, over π and the density of the direction.
-    pub(crate) weight: f64,
+    /// How often it is chosen, per solid angle.
+    pub(crate) density: f64,
 }
 
 impl<'s> Sky<'s> {
@@ -61,18 +63,37 @@ impl<'s> Sky<'s> {
         }
     }
 
-    /// A direction from which a surface with this normal gets light. With the light that arrives from there, times the
-    /// weight, the mean over all squares is the colour of a white, matt surface in this environment.
-    pub(crate) fn look(&self, normal: DVec3, (u, v): (f64, f64)) -> Option<Look> {
+    /// A direction from which a surface with this normal gets light; none where the light would come from below it.
+    pub(crate) fn look(
+        &self,
+        normal: DVec3,
+        highlight: Option<&Highlight>,
+        (u, v): (f64, f64),
+    ) -> Option<Look> {
+        let share = highlight.map_or(0.0, Highlight::share);
+        let direction = match highlight {
+            Some(highlight) if u < share => highlight.direction(u / share, v)?,
+            _ => self.towards_light(normal, (u - share) / (1.0 - share), v)?,
+        };
+        let cosine = direction.dot(normal);
+        let scattered = match &self.table {
+            Some(table) => 0.5 * table.density(direction) + 0.5 * cosine * FRAC_1_PI,
+            None => cosine * FRAC_1_PI,
+        };
+        let density = (1.0 - share) * scattered + share * highlight.map_or(0.0, |h| h.density(direction));
+        (cosine > 0.0 && density > 0.0).then_some(Look { direction, density })
+    }
+
+    /// A direction from which a matt surface gets light, or one from below it.
+    fn towards_light(&self, normal: DVec3, u: f64, v: f64) -> Option<DVec3> {
         let (across, along) = normal.any_orthonormal_pair();
         let by_cosine = |u: f64| DMat3::from_cols(across, along, normal) * cosine_hemisphere((u, v));
-        let Some(table) = &self.table else {
-            return Some(Look { direction: by_cosine(u).try_normalize()?, weight: 1.0 });
+        let direction = match &self.table {
+            Some(table) if u < 0.5 => table.direction(2.0 * u, v),
+            Some(_) => by_cosine(2.0 * u - 1.0),
+            None => by_cosine(u),
         };
-        let direction = if u < 0.5 { table.direction(2.0 * u, v) } else { by_cosine(2.0 * u - 1.0) };
-        let cosine = direction.dot(normal);
-        let density = 0.5 * table.density(direction) + 0.5 * cosine * FRAC_1_PI;
-        (cosine > 0.0).then(|| Look { direction, weight: cosine * FRAC_1_PI / density })
+        direction.try_normalize()
     }
 }
 
@@ -91,9 +112,7 @@ impl Table {
         let looks = (0..LOOKS * LOOKS).map(|i| ((i % LOOKS) as f64 + 0.5, (i / LOOKS) as f64 + 0.5));
         let brightness = |cell: usize| -> f64 {
             let at = |(a, b): (f64, f64)| direction_at(cell, a / LOOKS as f64, b / LOOKS as f64);
-            let light = looks.clone().map(|look| environment.light(place, at(look)));
-            // The weights of ITU-R BT.709.
-            light.map(|l| l.dot(DVec3::new(0.2126, 0.7152, 0.0722))).sum()
+            looks.clone().map(|look| luminance(environment.light(place, at(look)))).sum()
         };
         let mut cells: Vec<f64> = (0..ROWS * COLUMNS).map(brightness).collect();
         let mean = cells.iter().sum::<f64>() / cells.len() as f64;
@@ -189,8 +208,9 @@ mod tests {
         let scene = scene(Some(environment));
         let sky = Sky::new(&scene);
         let found: DVec3 = (0..1024)
-            .filter_map(|i| sky.look(normal, point(i, 3)))
-            .map(|look| sky.light(DVec3::ZERO, look.direction) * look.weight)
+            .filter_map(|i| sky.look(normal, None, point(i, 3)))
+            .map(|look| (look, look.direction.dot(normal) * FRAC_1_PI / look.density))
+            .map(|(look, weight)| sky.light(DVec3::ZERO, look.direction) * weight)
             .sum();
         assert!((found.x / 1024.0 / exact.x - 1.0).abs() < 0.02, "{} is not {}", found.x / 1024.0, exact.x);
         assert!(exact.x > 0.2, "the sun shines");

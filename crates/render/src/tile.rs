@@ -1,9 +1,10 @@
 //! The picture, tile by tile on all cores.
 
-use crate::integrator::{EyeRay, Integrator, Sample};
-use crate::lamps::choice;
+use crate::integrator::{EyeRay, Integrator, Sample, Worker};
+use crate::noise::{VISIBLE, shown_error};
 use crate::query::{Asker, Prepared};
-use crate::sampling::{derive, disc, hash, point};
+use crate::refine::{Refiner, needs};
+use crate::sampling::Draw;
 use crate::sky::Sky;
 use fieldstone_scene::{Film, Pixel, Scene};
 use fieldstone_trace::Certificate;
@@ -15,7 +16,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 const TILE: u32 = 16;
 
 /// The side of the blocks in which the pixels of a tile follow each other.
-const BLOCK: u32 = 8;
+pub(crate) const BLOCK: u32 = 8;
 
 /// How to render, without effect on the picture.
 #[derive(Clone, Copy, Default)]
@@ -102,7 +103,7 @@ pub fn render(scene: &Scene, options: &RenderOptions<'_>) -> Result<Rendered, Re
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug)]
-struct Tile {
+pub(crate) struct Tile {
     x: u32,
     y: u32,
     width: u32,
@@ -110,7 +111,7 @@ struct Tile {
 }
 
 impl Tile {
-    fn all(width: u32, height: u32) -> Vec<Tile> {
+    pub(crate) fn all(width: u32, height: u32) -> Vec<Tile> {
         let columns = (0..width).step_by(TILE as usize);
         (0..height)
             .step_by(TILE as usize)
@@ -120,15 +121,26 @@ impl Tile {
     }
 
     /// The pixels, by blocks of 8 × 8, in the order that bundles are split in.
-    fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
+    pub(crate) fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
+        self.blocks().flat_map(Tile::rows)
+    }
+
+    /// The blocks of 8 × 8 pixels.
+    pub(crate) fn blocks(self) -> impl Iterator<Item = Tile> {
         let starts = |from: u32, length: u32| (from..from + length).step_by(BLOCK as usize);
         let (right, bottom) = (self.x + self.width, self.y + self.height);
-        starts(self.y, self.height)
-            .flat_map(move |v| starts(self.x, self.width).map(move |u| (u, v)))
-            .flat_map(move |(u, v)| {
-                let row = move |y| (u..right.min(u + BLOCK)).map(move |x| (x, y));
-                (v..bottom.min(v + BLOCK)).flat_map(row)
-            })
+        let block = move |(x, y)| Tile { x, y, width: BLOCK.min(right - x), height: BLOCK.min(bottom - y) };
+        starts(self.y, self.height).flat_map(move |y| starts(self.x, self.width).map(move |x| block((x, y))))
+    }
+
+    /// The pixels row by row.
+    fn rows(self) -> impl Iterator<Item = (u32, u32)> {
+        (self.y..self.y + self.height).flat_map(move |y| (self.x..self.x + self.width).map(move |x| (x, y)))
+    }
+
+    /// The corners in pixels: left and right, top and bottom.
+    pub(crate) fn sides(self) -> ([u32; 2], [u32; 2]) {
+        ([self.x, self.x + self.width], [self.y, self.y + self.height])
     }
 }
 
@@ -136,23 +148,21 @@ impl Tile {
 /// cores seldom wait for each other.
 const BAND: usize = 4096;
 
-/// About how many samples are taken before they are summed up.
-const SAMPLES_TOGETHER: usize = 4096;
-
 /// A pixel with its place.
 #[derive(Clone, Copy, Debug)]
-struct Placed {
-    x: u32,
-    y: u32,
-    pixel: Pixel,
-    /// Whether chance had a part in its colour.
-    by_chance: bool,
+pub(crate) struct Placed {
+    pub(crate) x: u32,
+    pub(crate) y: u32,
+    pub(crate) pixel: Pixel,
+    /// Whether chance had a part in its colour that one may see.
+    pub(crate) is_noisy: bool,
 }
 
 /// The picture; `None` if the work was cancelled.
 ///
-/// The second pass takes more samples of pixels that differ from a neighbour, and of those in whose colour chance has a
-/// part: light of area lights and of the sky on matt surfaces, rough surfaces that mirror. A lens makes that all pixels.
+/// The second pass takes more samples of pixels that differ from a neighbour, and of those in whose colour, or in a
+/// neighbour's, chance has a part that one may see: in half shadows, under a sky that is partly hidden, where rough
+/// surfaces mirror. A lens makes that all pixels.
 fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
     let prepared = Prepared::new(scene);
     let sky = Sky::new(scene);
@@ -163,21 +173,21 @@ fn draw(scene: &Scene, options: &RenderOptions<'_>) -> Option<Rendered> {
     let painter = Painter { tiles: Tile::all(width, height), passes, done: AtomicUsize::new(0), options };
     let mut stats = Stats::default();
     let mut film = Film::new(width, height);
-    let mut by_chance = vec![has_lens; width as usize * height as usize];
+    let mut noisy = vec![has_lens; width as usize * height as usize];
     for band in painter.bands() {
         let done = painter
-            .work(band, &mut stats, |asker, tile| look_through_centres(scene, &integrator, asker, tile))?;
+            .work(band, &mut stats, |worker, tile| look_through_centres(scene, &integrator, worker, tile))?;
         for placed in done.iter().flatten() {
             stats.count(&placed.pixel);
             film.set(placed.x, placed.y, &placed.pixel);
-            by_chance[placed.y as usize * width as usize + placed.x as usize] |= placed.by_chance;
+            noisy[placed.y as usize * width as usize + placed.x as usize] |= placed.is_noisy;
         }
     }
     if passes == 2 {
-        let unsettled = unsettled(&film, by_chance);
+        let needs = needs(&film, &noisy);
         for band in painter.bands() {
-            let seen = Seen { film: &film, unsettled: &unsettled };
-            let refine = |asker: &mut Asker, tile| refine_tile(scene, &integrator, asker, tile, &seen);
+            let refiner = Refiner { scene, integrator: &integrator, film: &film, needs: &needs };
+            let refine = |worker: &mut Worker, tile: Tile| refiner.refine(worker, tile.pixels());
             let done = painter.work(band, &mut stats, refine)?;
             done.iter().flatten().for_each(|placed| film.set(placed.x, placed.y, &placed.pixel));
         }
@@ -205,18 +215,18 @@ impl Painter<'_> {
         &self,
         band: &[Tile],
         stats: &mut Stats,
-        work: impl Fn(&mut Asker, Tile) -> Vec<Placed> + Sync,
+        work: impl Fn(&mut Worker, Tile) -> Vec<Placed> + Sync,
     ) -> Option<Vec<Vec<Placed>>> {
         let results: Option<Vec<(Vec<Placed>, Spent)>> = band
             .par_iter()
-            .map_init(Asker::default, |asker, &tile| {
+            .map_init(Worker::default, |worker, &tile| {
                 if self.options.is_cancelled() {
                     return None;
                 }
-                let spent = Spent::start(asker);
-                let result = work(asker, tile);
+                let spent = Spent::start(&worker.asker);
+                let result = work(worker, tile);
                 self.report();
-                Some((result, spent.end(asker)))
+                Some((result, spent.end(&worker.asker)))
             })
             .collect();
         let unpack = |(result, spent): (Vec<Placed>, Spent)| {
@@ -269,28 +279,28 @@ impl Stats {
 fn look_through_centres(
     scene: &Scene,
     integrator: &Integrator<'_, '_>,
-    asker: &mut Asker,
+    worker: &mut Worker,
     tile: Tile,
 ) -> Vec<Placed> {
     let ray = |(x, y)| {
         let (origin, direction) = scene.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        EyeRay { origin, direction, seed: seed(x, y), index: 0 }
+        EyeRay { origin, direction, draw: Draw::new((x, y), 0) }
     };
     let rays: Vec<EyeRay> = tile.pixels().map(ray).collect();
-    let samples = integrator.radiance(asker, &rays);
+    let samples = integrator.radiance(worker, &rays);
     let place = |((x, y), sample): ((u32, u32), &Sample)| Placed {
         x,
         y,
         pixel: to_pixel(sample),
-        by_chance: sample.by_chance,
+        is_noisy: is_noisy(scene, sample),
     };
     tile.pixels().zip(&samples).map(place).collect()
 }
 
-/// What chance depends on in a pixel.
-fn seed(x: u32, y: u32) -> u32 {
-    // Not of both coordinates alike, or noise would be mirrored about the diagonal.
-    hash(hash(x).wrapping_add(y))
+/// Whether a sample alone is too little, because other choices might have made it visibly different.
+fn is_noisy(scene: &Scene, sample: &Sample) -> bool {
+    let error = shown_error(&scene.settings().tone, sample.colour, sample.variance.sqrt());
+    sample.by_chance || error > VISIBLE
 }
 
 fn to_pixel(sample: &Sample) -> Pixel {
@@ -310,123 +320,7 @@ fn to_pixel(sample: &Sample) -> Pixel {
     })
 }
 
-/// What the first pass saw.
-struct Seen<'f> {
-    /// Pixels of later bands are as seen through their centres.
-    film: &'f Film,
-    /// Which pixels need more samples, row by row.
-    unsettled: &'f [bool],
-}
-
-/// Which pixels need more samples, row by row: those of chance, and those that differ from one of their eight
-/// neighbours.
-fn unsettled(film: &Film, by_chance: Vec<bool>) -> Vec<bool> {
-    let (width, height) = (film.width(), film.height());
-    let mut unsettled = by_chance;
-    unsettled.par_chunks_mut(width as usize).zip(0..height).for_each(|(row, y)| {
-        for (is_unsettled, x) in row.iter_mut().zip(0..width) {
-            let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
-            let (above, below) = (y.saturating_sub(1), (y + 1).min(height - 1));
-            let Some(here) = film.pixel(x, y) else { continue };
-            let differs = |u, v| film.pixel(u, v).is_some_and(|there| differ(&here, &there));
-            *is_unsettled |= (above..=below).any(|v| (left..=right).any(|u| differs(u, v)));
-        }
-    });
-    unsettled
-}
-
-/// More samples for the pixels of a tile that need them.
-fn refine_tile(
-    scene: &Scene,
-    integrator: &Integrator<'_, '_>,
-    asker: &mut Asker,
-    tile: Tile,
-    seen: &Seen<'_>,
-) -> Vec<Placed> {
-    let width = seen.film.width() as usize;
-    let is_unsettled = |x: u32, y: u32| seen.unsettled[y as usize * width + x as usize];
-    let pixels: Vec<(u32, u32, Pixel)> = tile
-        .pixels()
-        .filter(|&(x, y)| is_unsettled(x, y))
-        .filter_map(|(x, y)| seen.film.pixel(x, y).map(|pixel| (x, y, pixel)))
-        .collect();
-    let some = (SAMPLES_TOGETHER / scene.settings().samples as usize).max(1);
-    pixels.chunks(some).flat_map(|pixels| refine(scene, integrator, asker, pixels)).collect()
-}
-
-/// All samples of each pixel. The one through its centre is known, unless there is a lens: that one went through the
-/// middle of it.
-fn refine(
-    scene: &Scene,
-    integrator: &Integrator<'_, '_>,
-    asker: &mut Asker,
-    pixels: &[(u32, u32, Pixel)],
-) -> Vec<Placed> {
-    let all = scene.settings().samples;
-    let known = u32::from(scene.camera().aperture().is_none());
-    let ray = |x: u32, y: u32, index: u32| {
-        let (u, v) = place_in_pixel(index as usize);
-        let place = (f64::from(x) + u, f64::from(y) + v);
-        let lens = disc(point(index, derive(seed(x, y), choice::LENS)));
-        let (origin, direction) = scene.lens_ray(place, lens);
-        EyeRay { origin, direction, seed: seed(x, y), index }
-    };
-    let rays: Vec<EyeRay> =
-        pixels.iter().flat_map(|&(x, y, _)| (known..all).map(move |index| ray(x, y, index))).collect();
-    let samples = integrator.radiance(asker, &rays);
-    let weight = 1.0 / f64::from(all);
-    let sum = |(&(x, y, centre), samples): (&(u32, u32, Pixel), &[Sample])| {
-        let (first, cover) = match known {
-            1 => (colour(&centre), f64::from(centre.alpha)),
-            _ => (DVec3::ZERO, 0.0),
-        };
-        let colour = (first + samples.iter().map(|s| s.colour).sum::<DVec3>()) * weight;
-        let alpha = (cover + samples.iter().map(|s| s.alpha).sum::<f64>()) * weight;
-        let pixel = Pixel { colour: colour.as_vec3().to_array(), alpha: alpha as f32, ..centre };
-        Placed { x, y, pixel, by_chance: false }
-    };
-    pixels.iter().zip(samples.chunks((all - known) as usize)).map(sum).collect()
-}
-
-fn colour(pixel: &Pixel) -> DVec3 {
+/// The colour of a pixel, linear RGB.
+pub(crate) fn colour(pixel: &Pixel) -> DVec3 {
     DVec3::from_array(pixel.colour.map(f64::from))
-}
-
-/// Whether an edge runs between two neighbours: of a solid, a part, a crease, or light, mirrored and refracted light too.
-fn differ(a: &Pixel, b: &Pixel) -> bool {
-    if a.part != b.part {
-        return true;
-    }
-    if a.part < 0.0 && a.alpha == 0.0 && b.alpha == 0.0 {
-        return false;
-    }
-    // There is no normal where an environment or a lamp is seen.
-    let normals: f32 = a.normal.iter().zip(b.normal).map(|(p, q)| p * q).sum();
-    let crease = a.part >= 0.0 && normals < 0.9;
-    let cover = (a.alpha - b.alpha).abs() > 0.15;
-    let (a, b) = (colour(a), colour(b));
-    let brightest = a.max(b) + DVec3::splat(0.02);
-    crease || cover || ((a - b).abs() / brightest).max_element() > 0.15
-}
-
-/// The place of sample `i` in a pixel: the first in its centre, the others evenly around it (Roberts 2018).
-fn place_in_pixel(i: usize) -> (f64, f64) {
-    // 1/ρ and 1/ρ² for the root ρ of x³ = x + 1.
-    const STEPS: (f64, f64) = (0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
-    ((0.5 + STEPS.0 * i as f64).fract(), (0.5 + STEPS.1 * i as f64).fract())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Neighbours, mirror images about the diagonal, and places on it have seeds of their own.
-    #[test]
-    fn pixels_have_different_seeds() {
-        let mut seeds: Vec<u32> = (0..256 * 256).map(|i| seed(i % 256, i / 256)).collect();
-        seeds.sort_unstable();
-        seeds.dedup();
-        // Of 65,536 numbers of 32 bits, about half of one pair meets by chance.
-        assert!(seeds.len() >= 256 * 256 - 4, "{}", seeds.len());
-    }
 }

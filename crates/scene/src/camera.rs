@@ -377,19 +377,17 @@ impl Camera {
     /// The ray through the point (u, v) of an image whose width is `aspect` times its height: origin and unit
     /// direction.
     pub fn ray(&self, u: f64, v: f64, aspect: f64) -> (DVec3, DVec3) {
-        // From −1 to 1, to the right and upwards, in units of half the height.
-        let (x, y) = ((2.0 * u - 1.0) * aspect, 1.0 - 2.0 * v);
-        match self.projection {
-            Projection::Perspective { vertical_fov_radians } => {
-                let slope = (0.5 * vertical_fov_radians).tan();
-                let direction = self.forward + slope * (x * self.right + y * self.up);
-                (self.eye, direction.normalize())
-            }
-            Projection::Orthographic { height } => {
-                let half = 0.5 * height;
-                (self.eye + half * (x * self.right + y * self.up), self.forward)
-            }
-        }
+        self.rays(aspect).at(u, v)
+    }
+
+    /// The rays through all points of an image whose width is `aspect` times its height.
+    pub fn rays(&self, aspect: f64) -> Rays {
+        let (is_perspective, half) = match self.projection {
+            Projection::Perspective { vertical_fov_radians } => (true, (0.5 * vertical_fov_radians).tan()),
+            Projection::Orthographic { height } => (false, 0.5 * height),
+        };
+        let (right, up) = (half * aspect * self.right, half * self.up);
+        Rays { is_perspective, eye: self.eye, forward: self.forward, right, up }
     }
 
     /// Where a point appears in the image, as (u, v); `None` behind a perspective eye.
@@ -403,6 +401,29 @@ impl Camera {
         };
         let (x, y) = (d.dot(self.right) / half, d.dot(self.up) / half);
         (half > 0.0).then_some((0.5 + 0.5 * x / aspect, 0.5 - 0.5 * y))
+    }
+}
+
+/// The rays through the points of an image.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays {
+    is_perspective: bool,
+    eye: DVec3,
+    forward: DVec3,
+    /// From the middle of the image to its right edge, and to its upper edge.
+    right: DVec3,
+    up: DVec3,
+}
+
+impl Rays {
+    /// The ray through the point (u, v): origin and unit direction.
+    pub fn at(&self, u: f64, v: f64) -> (DVec3, DVec3) {
+        let aside = (2.0 * u - 1.0) * self.right + (1.0 - 2.0 * v) * self.up;
+        if self.is_perspective {
+            (self.eye, (self.forward + aside).normalize())
+        } else {
+            (self.eye + aside, self.forward)
+        }
     }
 }
 

@@ -215,6 +215,26 @@ impl Environment {
         matches!(self.surroundings, Surroundings::Room { .. })
     }
 
+    /// The colour of a white, matt surface with this unit normal, with nothing in the way, where there is a closed form:
+    /// in even light and in gradients.
+    ///
+    /// A gradient is even light and two parts that grow with the sine of the elevation above and below the horizon; of
+    /// those, a surface turned by θ from the axis gets 2/3π (sin θ + (π − θ) cos θ).
+    pub fn on_matt(&self, normal: DVec3) -> Option<Rgb> {
+        let light = match &self.surroundings {
+            Surroundings::Uniform(colour) => *colour,
+            Surroundings::Gradient { zenith, horizon, nadir } => {
+                let cosine = normal.dot(self.up).clamp(-1.0, 1.0);
+                let (angle, sine) = (cosine.acos(), (1.0 - cosine * cosine).sqrt());
+                let above = 2.0 / (3.0 * PI) * (sine + (PI - angle) * cosine);
+                let below = 2.0 / (3.0 * PI) * (sine - angle * cosine);
+                *horizon + (*zenith - *horizon) * above + (*nadir - *horizon) * below
+            }
+            Surroundings::LatLong(_) | Surroundings::Cube(_) | Surroundings::Room { .. } => return None,
+        };
+        Some(light * self.strength)
+    }
+
     /// The light that comes back along a ray that meets nothing: radiance, linear RGB.
     pub fn light(&self, origin: DVec3, direction: DVec3) -> Rgb {
         let towards = |d: DVec3| self.environment_from_world * d;
@@ -296,6 +316,31 @@ mod tests {
         let light = |d: DVec3| sky.light(DVec3::ZERO, d);
         assert_eq!((light(DVec3::Z), light(DVec3::X), light(-DVec3::Z)), (DVec3::X, DVec3::Y, DVec3::Z));
         assert!(close(light(DVec3::new(0.8, 0.0, 0.6)), DVec3::new(0.6, 0.4, 0.0)));
+    }
+
+    /// By quadrature over all directions.
+    #[test]
+    fn matt_surfaces_in_gradients_have_the_colour_of_the_closed_form() {
+        const SIDE: u32 = 400;
+        let sky = Surroundings::Gradient { zenith: DVec3::X, horizon: DVec3::Y, nadir: DVec3::Z };
+        let sky = Environment::new(sky).unwrap().rotated(DVec3::new(1.0, 2.0, -0.5), 0.3).unwrap();
+        let sky = sky.with_strength(1.5).unwrap();
+        let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
+        for normal in [sky.up(), -sky.up(), DVec3::X, DVec3::new(-0.6, 0.0, 0.8)] {
+            let mut sum = DVec3::ZERO;
+            for i in 0..SIDE * SIDE {
+                let (z, turn) = (2.0 * place(i / SIDE) - 1.0, TAU * place(i % SIDE));
+                let direction = DVec3::new(turn.cos(), turn.sin(), 0.0) * (1.0 - z * z).sqrt() + z * DVec3::Z;
+                sum += sky.light(DVec3::ZERO, direction) * direction.dot(normal).max(0.0);
+            }
+            let expected = sum * 4.0 / f64::from(SIDE * SIDE);
+            let found = sky.on_matt(normal).unwrap();
+            assert!((found - expected).length() < 1e-4, "{found} is not {expected} at {normal}");
+        }
+        let picture = Image::new(1, 1, vec![[1.0; 3]]).unwrap();
+        assert!(
+            Environment::new(Surroundings::LatLong(Arc::new(picture))).unwrap().on_matt(DVec3::Z).is_none()
+        );
     }
 
     #[test]

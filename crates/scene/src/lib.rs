@@ -30,7 +30,7 @@ mod tone;
 
 pub use ball::{Ball, BallError};
 pub use bounds::{Bounds, BoundsError, RaySpan};
-pub use camera::{Aperture, Camera, CameraError, Projection, Up, View};
+pub use camera::{Aperture, Camera, CameraError, Projection, Rays, Up, View};
 pub use colour::{Background, Rgb, linear_to_srgb, srgb_to_linear};
 pub use environment::{Environment, EnvironmentError, Face, Surroundings};
 pub use film::{CHANNELS, Film, Pixel};

@@ -8,10 +8,14 @@ mod bernstein;
 mod blend;
 mod combine;
 pub mod expression;
+mod least;
 mod map;
 mod minimum;
+mod nearest;
 mod noise;
+mod normal;
 mod points;
+mod rounding;
 mod slope;
 mod spline;
 mod sweep;
@@ -21,15 +25,19 @@ mod weight;
 
 pub use blend::{Blend, Blended, Joint, join, linear};
 pub use combine::{offset, product, shell};
+pub use least::{Course, least};
 pub use map::{
-    affine, bend, invert, mirror, mirror_across, moved, polar_repeat, repeat, repeat_times, rotate, scale,
-    taper, translate, twist,
+    affine, bend, invert, mirror, mirror_across, moved, polar_repeat, repeat, repeat_onward, repeat_times,
+    rotate, scale, taper, translate, twist,
 };
 pub use minimum::{Minimum, MinimumError};
 pub use noise::gradient_noise;
+pub use normal::{
+    bend_normal, invert_normal, mirror_normal, polar_repeat_normal, taper_normal, twist_normal,
+};
 pub use points::{Kernel, MAX_POINTS, PointCloud, PointError, Points, Reconstruction};
 pub use spline::{Basis, SplineError, SplineVolume};
-pub use sweep::{CURVE_PARAMETER, Curve, CurveError, PROJECTION_PARTS, project, sweep, tube};
+pub use sweep::{CURVE_PARAMETER, Curve, CurveError, project, projection, sweep, tube};
 pub use texture::{checker, fractal_noise, marble, turbulence, wood};
 pub use voxels::{Interpolation, MAX_VOXELS, VoxelArray, VoxelError};
 pub use weight::{gaussian, sigmoid};

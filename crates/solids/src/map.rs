@@ -147,14 +147,34 @@ pub fn repeat_times(graph: &mut Graph, at: Point, axis: usize, period: NodeId, c
     })
 }
 
+/// Repeated along an axis in its direction: `count` in all (a whole number from 1 on), `period` > 0 apart, of which the
+/// original is the first.
+pub fn repeat_onward(graph: &mut Graph, at: Point, axis: usize, period: NodeId, count: NodeId) -> Point {
+    mapped(graph, at, |p| {
+        let (period, count) = (beside(p, period), beside(p, count));
+        let (along, across) = p.along_and_across(axis % 3);
+        let nearest = (along / period + 0.5).floor().clamp(0.0, count - 1.0);
+        from_frame(axis, along - period * nearest, across)
+    })
+}
+
 /// Repeated `count` times around an axis: what lies in the sector about the first axis across it, turned.
 pub fn polar_repeat(graph: &mut Graph, at: Point, axis: usize, count: NodeId) -> Point {
     mapped(graph, at, |p| {
-        let sector = std::f64::consts::TAU / beside(p, count);
-        let (_, [u, v]) = p.along_and_across(axis % 3);
-        let nearest = (v.atan2(u) / sector + 0.5).floor();
-        turned_back(p, axis, nearest * sector)
+        let (along, [u, v]) = p.along_and_across(axis % 3);
+        let nearest = nearest_sector([u, v.abs()], beside(p, count));
+        let folded = from_frame(axis, along, [u, v.abs()]);
+        let (_, [u, w]) = turned_back(folded, axis, nearest).along_and_across(axis % 3);
+        from_frame(axis, along, [u, v.lt(0.0).select(-w, w)])
     })
+}
+
+/// The angle of the middle of the sector in which a point with v ≥ 0 is. Bounds of the angle from the v axis are close
+/// everywhere: they have no cut there.
+pub(crate) fn nearest_sector<'g>([u, v]: [Expr<'g>; 2], count: Expr<'g>) -> Expr<'g> {
+    let sector = std::f64::consts::TAU / count;
+    let angle = std::f64::consts::FRAC_PI_2 - u.atan2(v);
+    (angle / sector + 0.5).floor() * sector
 }
 
 /// Turned inside out at a sphere about the origin: r² p / |p|². Undefined at the origin.

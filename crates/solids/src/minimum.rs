@@ -8,6 +8,7 @@
 mod enclosure;
 mod search;
 
+use crate::rounding::rounding;
 use crate::slope::slope;
 use enclosure::Enclosure;
 use fieldstone_field::{
@@ -22,6 +23,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// The cells that the range is cut into; every search looks in the middle of each.
 const CELLS: usize = 16;
 
+/// Second derivatives of more operations are not made.
+const MOST_OPERATIONS: usize = 4000;
+
 /// The minimum of a field over one of its inputs, as a [`Function`] of the others.
 ///
 /// Its value is the least of those that a fixed search finds, at least as small as F in the middle of each 16th of the
@@ -33,6 +37,13 @@ pub struct Minimum {
     along: Tape,
     /// F, ∂F/∂u and the derivatives along the arguments.
     slopes: Tape,
+    /// F, ∂F/∂u and ∂²F/∂u².
+    newton: Tape,
+    /// Bounds of the rounding errors of F, ∂F/∂u and the derivatives along the arguments.
+    errors: Tape,
+    /// ∂²F/∂u², those along u and an argument, and those along two arguments (each pair once); none where these are
+    /// too many operations.
+    bends: Option<Tape>,
     arguments: Vec<Input>,
     range: [f64; 2],
     /// Tells minima apart where their last results are kept.
@@ -91,15 +102,32 @@ impl Minimum {
         let mut graph = program.clone();
         let derivatives: Vec<NodeId> =
             [over].iter().chain(&arguments).map(|&input| slope(&mut graph, output, input)).collect();
+        let outputs: Vec<NodeId> = [output].iter().chain(&derivatives).copied().collect();
+        let errors = rounding(&mut graph, &outputs);
+        let mut bends = vec![slope(&mut graph, derivatives[0], over)];
+        bends.extend(arguments.iter().map(|&input| slope(&mut graph, derivatives[0], input)));
+        for (k, first) in derivatives[1..].iter().enumerate() {
+            bends.extend(arguments[k..].iter().map(|&input| slope(&mut graph, *first, input)));
+        }
+        let is_long = graph.reachable(&bends).len() > MOST_OPERATIONS;
         let graph = Arc::new(graph);
-        let tape = |attributes: &[NodeId]| {
-            let field = Field::new(Arc::clone(&graph), output, attributes.to_vec());
+        let tape = |outputs: &[NodeId]| {
+            let field = Field::new(Arc::clone(&graph), outputs[0], outputs[1..].to_vec());
             let varying = varying.clone();
             Tape::new(&field, &TapeOptions { varying, attributes: true, ..TapeOptions::default() })
         };
-        let (values, along, slopes) = (tape(&[]), tape(&derivatives[..1]), tape(&derivatives));
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        Ok(Self { tape: values, along, slopes, arguments, range, number })
+        Ok(Self {
+            tape: tape(&outputs[..1]),
+            along: tape(&outputs[..2]),
+            slopes: tape(&outputs),
+            newton: tape(&[output, derivatives[0], bends[0]]),
+            errors: tape(&errors),
+            bends: (!is_long).then(|| tape(&bends)),
+            arguments,
+            range,
+            number,
+        })
     }
 
     /// The minima over equal parts of a range, whose least is that over the whole range. Boxes of space need few of
@@ -208,6 +236,7 @@ impl Function for Minimum {
     fn gradient(&self, arguments: &[f64], gradient: &mut [f64]) {
         with_scratch(|scratch| {
             let place = self.found(scratch, arguments).place;
+            let place = self.refined(scratch, arguments, place);
             let slopes = &mut scratch.gradients;
             for first in (0..arguments.len()).step_by(3) {
                 for (k, value) in arguments.iter().chain([&place]).enumerate() {

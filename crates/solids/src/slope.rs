@@ -1,7 +1,8 @@
 //! Derivatives of programs as programs, so that they can be evaluated over boxes.
 //!
 //! Over a box the result bounds the difference quotients of the program (Clarke's generalised derivative: at a kink
-//! both sides are joined). Where a program may jump, and in calls and loops, it is undefined.
+//! both sides are joined). Where a program may jump, and in calls and loops, it is undefined. Derivatives of derivatives
+//! are undefined wherever the box holds a kink.
 
 use fieldstone_field::{Binary, Graph, Input, Node, NodeId, Unary};
 use std::collections::HashMap;
@@ -37,23 +38,46 @@ fn derive(
             graph.mul(by, s)
         }),
         Node::Binary(op, a, b) => binary(graph, op, [n, a, b], [slope(&a), slope(&b)]),
-        Node::Select(condition, a, b) if slope(&condition).is_none() => {
+        Node::Select(condition, a, b) => {
             let zero = graph.constant(0.0);
             let [first, second] = [slope(&a), slope(&b)];
-            (first.or(second).is_some())
-                .then(|| graph.select(condition, first.unwrap_or(zero), second.unwrap_or(zero)))
+            let is_fixed = slope(&condition).is_none();
+            if is_fixed && first.or(second).is_none() {
+                return None;
+            }
+            let chosen = graph.select(condition, first.unwrap_or(zero), second.unwrap_or(zero));
+            Some(if is_fixed { chosen } else { where_decided(graph, condition, chosen) })
         }
-        Node::Select(..) | Node::LoopVar(..) | Node::LoopOut(..) => Some(graph.constant(f64::NAN)),
+        Node::LoopVar(..) | Node::LoopOut(..) => Some(graph.constant(f64::NAN)),
         Node::Call(_, arguments) => {
             arguments.iter().any(|a| slope(a).is_some()).then(|| graph.constant(f64::NAN))
         }
     }
 }
 
+/// `value` where a condition is decided; undefined over boxes in which it may hold and may not.
+pub(crate) fn where_decided(graph: &mut Graph, condition: NodeId, value: NodeId) -> NodeId {
+    let [plus, minus] = [1.0, -1.0].map(|k| graph.constant(k));
+    let side = graph.select(condition, plus, minus);
+    let guard = nothing_but_at_sides(graph, side);
+    graph.add(value, guard)
+}
+
+/// 0 where s is −1 or 1, undefined where it may lie between: 0·√(s² − ½).
+fn nothing_but_at_sides(graph: &mut Graph, side: NodeId) -> NodeId {
+    let [half, zero] = [0.5, 0.0].map(|k| graph.constant(k));
+    let square = graph.square(side);
+    let rest = graph.sub(square, half);
+    let root = graph.sqrt(rest);
+    graph.mul(zero, root)
+}
+
 fn unary(graph: &mut Graph, op: Unary, (n, a): (NodeId, NodeId), s: NodeId) -> NodeId {
     let by = match op {
         Unary::Neg => return graph.neg(s),
         Unary::Abs => graph.sign(a),
+        // Constant but at the jump.
+        Unary::Sign => return nothing_but_at_sides(graph, n),
         Unary::Sqrt => {
             let twice = graph.add(n, n);
             return graph.div(s, twice);

@@ -1,6 +1,6 @@
 //! Free-form solids: scalar splines of three variables over a box, by control values.
 
-use crate::bernstein::Patch;
+use crate::bernstein::{Patch, gradient_room, slack};
 use crate::voxels::b_spline;
 use fieldstone_field::{Function, Interval};
 
@@ -28,7 +28,7 @@ pub struct SplineVolume {
     basis: Basis,
     low: [f64; 3],
     size: [f64; 3],
-    /// More than the rounding errors of a value.
+    /// A bound of the rounding errors of values and bounds.
     slack: f64,
 }
 
@@ -85,7 +85,11 @@ impl SplineVolume {
             return Err(SplineError::NotFinite);
         }
         let largest = controls.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
-        let slack = 1e-12 * largest + f64::MIN_POSITIVE;
+        let (count, pieces) = match basis {
+            Basis::Bezier => (MAX_BEZIER, [1; 3]),
+            Basis::BSpline => (4, counts),
+        };
+        let slack = slack(largest, count, pieces);
         Ok(Self { counts, controls, basis, low, size, slack })
     }
 
@@ -186,7 +190,11 @@ impl Function for SplineVolume {
         }
         let Some(parts) = self.parts(arguments) else { return f64::INFINITY };
         let scale = [0, 1, 2].map(|k| self.pieces(k) as f64 / self.size[k]);
-        parts.into_iter().map(|(patch, _)| patch.bend(scale)).fold(0.0, f64::max) + self.slack
+        let bends = parts.into_iter().map(|(patch, _)| {
+            let error = patch.gradient_error(scale, self.slack);
+            patch.bend(scale, self.slack) + gradient_room(error, arguments)
+        });
+        bends.fold(0.0, f64::max)
     }
 
     fn is_black_box(&self) -> bool {

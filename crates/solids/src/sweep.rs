@@ -1,15 +1,16 @@
 //! Solids that move along curves, and shadows of solids of four dimensions.
 
 use crate::expression::{Expr, Vector, write};
+use crate::least::{Course, least, line_distance};
 use crate::map::{moved, translate};
-use crate::minimum::{Minimum, MinimumError};
+use crate::minimum::MinimumError;
 use fieldstone_field::{Graph, Input, NodeId};
 
 /// The input that stands for the parameter u of curves; no model has as many coordinates.
 pub const CURVE_PARAMETER: Input = Input::Coordinate(u16::MAX);
 
 /// The parts in which the minimum of a projection is searched.
-pub const PROJECTION_PARTS: usize = 2;
+const PROJECTION_PARTS: usize = 2;
 
 /// The most points of a curve.
 const MOST_POINTS: usize = 256;
@@ -85,8 +86,19 @@ impl Curve {
         Ok(translate(graph, point, place))
     }
 
+    /// Where u runs, for [`least`].
+    pub fn course(&self) -> Course {
+        let corners = match self {
+            Self::Polyline(points) if points.len() >= 2 => {
+                (0..points.len()).map(|i| i as f64 / (points.len() - 1) as f64).collect()
+            }
+            _ => Vec::new(),
+        };
+        Course { over: CURVE_PARAMETER, range: [0.0, 1.0], parts: self.parts(), corners }
+    }
+
     /// In how many parts of the curve the minimum is best searched: few, and none that comes back to where it was.
-    pub fn parts(&self) -> usize {
+    fn parts(&self) -> usize {
         let parts = match self {
             Self::Polyline(points) => points.len() / 4,
             Self::Bezier(_) => 2,
@@ -184,15 +196,7 @@ pub fn sweep(
     let point = [0, 1, 2].map(|k| copy.input(Input::Coordinate(k)));
     let at = curve.moved_back(&mut copy, point)?;
     let value = moved(&mut copy, program, &[output], at)[0];
-    let parts = Minimum::in_parts((&copy, value), CURVE_PARAMETER, [0.0, 1.0], curve.parts())?;
-    Ok(least(graph, parts))
-}
-
-/// The least of minima.
-fn least(graph: &mut Graph, minima: Vec<Minimum>) -> NodeId {
-    let nodes: Vec<NodeId> = minima.into_iter().map(|minimum| minimum.call(graph)).collect();
-    let least = nodes.into_iter().reduce(|a, b| graph.min(a, b));
-    least.unwrap_or_else(|| graph.constant(f64::INFINITY))
+    Ok(least(graph, (&copy, value), &curve.course(), Graph::input)?)
 }
 
 /// Projects a solid along one of its coordinates (usually the fourth, counted 3): the union of its sections,
@@ -207,7 +211,12 @@ pub fn project(
     over: Input,
     range: [f64; 2],
 ) -> Result<NodeId, MinimumError> {
-    Ok(least(graph, Minimum::in_parts((program, output), over, range, PROJECTION_PARTS)?))
+    least(graph, (program, output), &projection(over, range), Graph::input)
+}
+
+/// Where the coordinate of a projection runs, for [`least`].
+pub fn projection(over: Input, range: [f64; 2]) -> Course {
+    Course { over, range, parts: PROJECTION_PARTS, corners: Vec::new() }
 }
 
 /// A ball that moves from point to point: the distance to the nearest stretch less the radius, in closed form.
@@ -221,17 +230,7 @@ pub fn tube(
     radius: NodeId,
 ) -> Result<NodeId, CurveError> {
     Curve::Polyline(points.to_vec()).check()?;
-    Ok(write(graph, |cell| {
-        let p = Vector(at.map(|id| Expr::new(cell, id)));
-        let distances = points.windows(2).map(|pair| {
-            let along: [f64; 3] = std::array::from_fn(|k| pair[1][k] - pair[0][k]);
-            let squared: f64 = along.iter().map(|d| d * d).sum();
-            let (start, along) = (Vector(pair[0].map(|x| p.0[0].number(x))), along.map(|x| p.0[0].number(x)));
-            let from_start = p - start;
-            let part = from_start.dot(Vector(along)) / squared.max(f64::MIN_POSITIVE);
-            (from_start - Vector(along) * part.clamp(0.0, 1.0)).squared()
-        });
-        let nearest = distances.reduce(|a, b| a.min(b)).unwrap_or_else(|| p.squared());
-        (nearest.sqrt() - Expr::new(cell, radius)).id()
-    }))
+    let nearest = line_distance(graph, at, points);
+    let distance = graph.sqrt(nearest);
+    Ok(graph.sub(distance, radius))
 }

@@ -3,7 +3,7 @@
 //! In a cell of the grid the function is a polynomial, whose Bernstein coefficients bound it (the convex hull property); over many cells the least and greatest numbers do, kept in a pyramid of blocks of 2, 4, 8, …
 //! numbers on a side, so that a box of any size costs a few look-ups.
 
-use crate::bernstein::Patch;
+use crate::bernstein::{Patch, gradient_room, slack};
 use fieldstone_field::{Function, Interval};
 
 /// No array is larger.
@@ -35,7 +35,7 @@ pub struct VoxelArray {
     steps: [f64; 3],
     interpolation: Interpolation,
     pyramid: Vec<Level>,
-    /// More than the rounding errors of a value.
+    /// A bound of the rounding errors of values and bounds.
     slack: f64,
 }
 
@@ -97,7 +97,8 @@ impl VoxelArray {
         }
         let largest = values.iter().fold(0.0, |most: f64, v| most.max(f64::from(v.abs())));
         let pyramid = pyramid(counts, &values);
-        let slack = 1e-12 * largest + f64::MIN_POSITIVE;
+        // Coefficients of Catmull and Rom's cubics are up to (4/3)³ times as large as the numbers.
+        let slack = slack(2.5 * largest, 4, counts);
         Ok(Self { counts, values, origin, steps, interpolation, pyramid, slack })
     }
 
@@ -293,8 +294,11 @@ impl Function for VoxelArray {
             return f64::INFINITY;
         }
         let scale = self.steps.map(|s| 1.0 / s);
-        let bends = self.parts(arguments).into_iter().flatten().map(|(patch, _)| patch.bend(scale));
-        bends.fold(0.0, f64::max) + self.slack
+        let bends = self.parts(arguments).into_iter().flatten().map(|(patch, _)| {
+            let error = patch.gradient_error(scale, self.slack);
+            patch.bend(scale, self.slack) + gradient_room(error, arguments)
+        });
+        bends.fold(0.0, f64::max)
     }
 
     fn is_black_box(&self) -> bool {

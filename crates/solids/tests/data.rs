@@ -238,3 +238,37 @@ fn octaves_fade_in_one_after_another() {
     assert_eq!(of_octaves(2.0), noise(1.0, 0.0) + 0.5 * noise(2.0, 0.37));
     assert!((of_octaves(1.5) - noise(1.0, 0.0) - 0.25 * noise(2.0, 0.37)).abs() < 1e-15);
 }
+
+/// Numbers and places that are small multiples of powers of two, so that the interpolated value is exact in 128 bits.
+#[test]
+fn bounds_of_points_hold_exact_values() {
+    let counts = [17, 5, 9];
+    let mut random = Random(21);
+    let numbers: Vec<i32> =
+        (0..counts.iter().product()).map(|_| (4e6 * random.unit()) as i32 - 2_000_000).collect();
+    let values = numbers.iter().map(|n| *n as f32).collect();
+    let array =
+        VoxelArray::new(counts, values, [[0.0; 3], [1.0; 3]], Interpolation::Linear).expect("an array");
+    let mut widest = 0.0f64;
+    for _ in 0..2000 {
+        // Places in cells as multiples of 2⁻²⁰.
+        let place = [0, 1, 2].map(|k| (random.unit() * (counts[k] - 1) as f64 * f64::from(1 << 20)) as i64);
+        let point = place.map(|p| p as f64 / f64::from(1 << 20));
+        let (cell, part) = (place.map(|p| (p >> 20) as usize), place.map(|p| i128::from(p & 0xF_FFFF)));
+        let exact: i128 = (0..8)
+            .map(|c| {
+                let i = [0, 1, 2].map(|k| cell[k] + (c >> k & 1));
+                let weight = (0..3).map(|k| if c >> k & 1 == 1 { part[k] } else { (1 << 20) - part[k] });
+                let weight: i128 = weight.product();
+                weight * i128::from(numbers[(i[0] + 17 * (i[1] + 5 * i[2])).min(numbers.len() - 1)])
+            })
+            .sum();
+        let bound = array.interval(&point.map(|x| Interval::new(x, x)));
+        // The ends as multiples of 2⁻⁶⁰, rounded inward.
+        let [lo, hi] = [bound.lo, bound.hi].map(|end| end * 2f64.powi(60));
+        assert!(lo as i128 <= exact && exact <= hi as i128, "{exact} {bound:?}");
+        widest = widest.max(bound.width());
+    }
+    // Of numbers up to two millions.
+    assert!(widest < 2e-12 * 2e6, "{widest}");
+}

@@ -4,8 +4,9 @@ mod kit;
 
 use fieldstone_field::{Field, Graph, NodeId};
 use fieldstone_solids::{
-    affine, bend, invert, mirror, mirror_across, moved, offset, polar_repeat, product, repeat, repeat_times,
-    rotate, scale, shell, taper, translate, twist,
+    affine, bend, bend_normal, invert, invert_normal, mirror, mirror_across, mirror_normal, moved, offset,
+    polar_repeat, polar_repeat_normal, product, repeat, repeat_onward, repeat_times, rotate, scale, shell,
+    taper, taper_normal, translate, twist, twist_normal,
 };
 use kit::{Random, at, ball, check, coordinates, field};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -154,6 +155,10 @@ fn repetitions_have_the_same_value_everywhere_they_repeat() {
         repeat_times(g, p, 0, period, count)
     });
     let plain = of_original(|_, p| p);
+    let from_the_first = of_original(|g, p| {
+        let [period, count] = [period, 3.0].map(|k| g.constant(k));
+        repeat_onward(g, p, 0, period, count)
+    });
     let p = [0.3, 0.2, -0.4];
     for k in -3i32..=3 {
         let q = [p[0] + period * f64::from(k), p[1], p[2]];
@@ -161,8 +166,12 @@ fn repetitions_have_the_same_value_everywhere_they_repeat() {
         let beyond = f64::from((k.abs() - 1).max(0) * k.signum());
         let expected = at(&plain, [p[0] + period * beyond, p[1], p[2]]);
         assert!((at(&three, q) - expected).abs() < 1e-12);
+        let beyond = f64::from(k - k.clamp(0, 2));
+        let expected = at(&plain, [p[0] + period * beyond, p[1], p[2]]);
+        assert!((at(&from_the_first, q) - expected).abs() < 1e-12);
     }
     check("repeat", &endless, 2);
+    check("repeat onward", &from_the_first, 2);
     check("repeat times", &three, 2);
     let mirrored = of_original(|g, p| mirror(g, p, 1));
     assert_eq!(at(&mirrored, [0.1, -0.7, 0.2]), at(&plain, [0.1, 0.7, 0.2]));
@@ -219,4 +228,109 @@ fn a_product_is_inside_where_both_factors_are() {
         }
         check("product", &prism, 2);
     }
+}
+
+/// The gradient of a field by central differences.
+fn gradient(field: &Field, p: [f64; 3]) -> [f64; 3] {
+    const STEP: f64 = 1e-5;
+    [0, 1, 2].map(|axis| {
+        let [ahead, behind] = [STEP, -STEP].map(|step| {
+            let mut q = p;
+            q[axis] += step;
+            at(field, q)
+        });
+        (ahead - behind) / (2.0 * STEP)
+    })
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.map(|x| x / length)
+}
+
+type Place = (Point, Point);
+
+/// How far the normals of the original, computed from those of the mapped solid, are from its own.
+fn error_of_normals(
+    map: impl Fn(&mut Graph, Point) -> Point,
+    back: impl Fn(&mut Graph, Place) -> Point,
+) -> f64 {
+    let (mapped, plain) = (of_original(&map), of_original(|_, point| point));
+    let mut random = Random(5);
+    let mut worst = 0.0f64;
+    for _ in 0..100 {
+        let p = [0; 3].map(|_| random.coordinate() + 0.003);
+        let n = unit(gradient(&mapped, p));
+        let numbers = |component: usize, of_normal: bool| {
+            at(
+                &field(|g, point| {
+                    let n = n.map(|k| g.constant(k));
+                    if of_normal { back(g, (point, n))[component] } else { map(g, point)[component] }
+                }),
+                p,
+            )
+        };
+        let place = [0, 1, 2].map(|k| numbers(k, false));
+        let found = unit([0, 1, 2].map(|k| numbers(k, true)));
+        let expected = unit(gradient(&plain, place));
+        let error = [0, 1, 2].map(|k| (found[k] - expected[k]).abs());
+        worst = error.into_iter().fold(worst, f64::max);
+    }
+    worst
+}
+
+#[test]
+fn normals_of_the_original_come_from_those_of_the_mapped_solid() {
+    let twisted = |g: &mut Graph, p: Point| {
+        let rate = g.constant(0.7);
+        twist(g, p, 2, rate)
+    };
+    let close = |error: f64| assert!(error < 1e-6, "{error}");
+    close(error_of_normals(twisted, |g, place| {
+        let rate = g.constant(0.7);
+        twist_normal(g, place, rate)
+    }));
+    let numbers = |g: &mut Graph| [-0.5, 0.5, 1.0, 2.0].map(|k| g.constant(k));
+    close(error_of_normals(
+        |g, p| {
+            let [from, to, first, last] = numbers(g);
+            taper(g, p, 2, [from, to], [first, last])
+        },
+        |g, place| {
+            let [from, to, first, last] = numbers(g);
+            taper_normal(g, place, [from, to], [first, last])
+        },
+    ));
+    for curvature in [0.4, -0.3] {
+        close(error_of_normals(
+            |g, p| {
+                let curvature = g.constant(curvature);
+                bend(g, p, curvature)
+            },
+            |g, place| {
+                let curvature = g.constant(curvature);
+                bend_normal(g, place, curvature)
+            },
+        ));
+    }
+    close(error_of_normals(|g, p| mirror(g, p, 2), mirror_normal));
+    close(error_of_normals(
+        |g, p| {
+            let count = g.constant(5.0);
+            polar_repeat(g, p, 2, count)
+        },
+        |g, place| {
+            let count = g.constant(5.0);
+            polar_repeat_normal(g, place, count)
+        },
+    ));
+    close(error_of_normals(
+        |g, p| {
+            let radius = g.constant(1.5);
+            invert(g, p, radius)
+        },
+        invert_normal,
+    ));
+    // A normal that is left as it is, is wrong.
+    assert!(error_of_normals(twisted, |_, (_, n)| n) > 0.1);
 }

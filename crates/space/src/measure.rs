@@ -15,9 +15,8 @@
 //! the volume-of-fluid method (Scardovelli and Zaleski 2000), in a form that does not cancel. The sum of fluxes is ours.
 
 mod examine;
-mod gradient;
 mod grid;
-mod pieces;
+pub(crate) mod pieces;
 mod plane;
 mod totals;
 

@@ -27,6 +27,17 @@ pub struct Tracer {
     shared_cost: u64,
 }
 
+/// A part of a ray that is to be marched.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// The ray, from where nothing is known to where nothing is asked.
+    pub ray: Ray,
+    /// How many evaluations the ray has cost so far.
+    pub spent: u32,
+    /// Whether the field is negative where the part starts, if that is known.
+    pub inside: Option<bool>,
+}
+
 /// What intervals say of a slab.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Slab {
@@ -82,6 +93,24 @@ impl Tracer {
         self.shared_cost
     }
 
+    /// Marches parts of rays by themselves, with the affine method or the dichotomy of `settings`; `take` is told the
+    /// outcome of each, by its place, as it is found.
+    pub fn march(
+        &mut self,
+        tape: &Tape,
+        parts: &[Part],
+        settings: &Settings,
+        mut take: impl FnMut(usize, Outcome),
+    ) {
+        let jobs = parts.iter().enumerate().map(|(place, &Part { ray, spent, inside })| Job {
+            ray,
+            place,
+            spent,
+            inside,
+        });
+        self.marcher.run(tape, settings, jobs, |job, outcome| take(job.place, outcome));
+    }
+
     /// The first crossing of every ray.
     ///
     /// `tape` takes x, y, z and may have been compiled for [`Reading::Sign`](fieldstone_field::Reading::Sign). Rays
@@ -134,7 +163,7 @@ impl Tracer {
                         let inner = Stretch { from, to, level: level + 1 };
                         self.descend_in_parts(tape, bundle, &under_way, inner)
                     } else {
-                        self.march(tape, bundle, &under_way, span)
+                        self.march_bundle(tape, bundle, &under_way, span)
                     };
                 }
             }
@@ -188,7 +217,7 @@ impl Tracer {
     }
 
     /// Marches some rays of a bundle one by one; returns those that are still on their way behind.
-    fn march(
+    fn march_bundle(
         &mut self,
         tape: &Tape,
         bundle: &mut Bundle<'_>,

@@ -13,6 +13,6 @@ mod sampled;
 mod solver;
 mod visit;
 
-pub use bundle::Tracer;
+pub use bundle::{Part, Tracer};
 pub use ray::{Certificate, Hit, Method, Outcome, Ray, Settings};
 pub use visit::{Visit, visited_spans};

@@ -22,7 +22,7 @@ impl Ray {
     }
 
     /// Whether no t lies between the ends; so it is where an end is undefined.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.start.partial_cmp(&self.end) != Some(Ordering::Less)
     }
 
@@ -78,7 +78,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    pub(crate) fn nothing() -> Self {
+    /// That of a ray about which nothing has been found yet: certified, outside, without a hit.
+    pub fn nothing() -> Self {
         Self {
             hit: None,
             certificate: Certificate::Certified,

@@ -1,6 +1,7 @@
 //! The program from outside: what goes in, what comes out.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops where it is surprised")]
 
+mod bench;
 mod check;
 mod convert;
 mod eval;

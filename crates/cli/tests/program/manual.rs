@@ -2,8 +2,8 @@
 
 use crate::place::Place;
 
-const COMMANDS: [&str; 9] =
-    ["render", "eval", "check", "measure", "plot", "convert", "schema", "completions", "man"];
+const COMMANDS: [&str; 10] =
+    ["bench", "render", "eval", "check", "measure", "plot", "convert", "schema", "completions", "man"];
 
 #[test]
 fn the_help_of_every_command_teaches_by_examples() {

@@ -76,7 +76,7 @@ const DRAWN: [Drawn; 20] = [
     (BALL, &["--size", "1x1"], None),
     (BALL, &["--size", "1x3001"], None),
     (BALL, &["--size", "3001x1"], None),
-    (BALL, &["--size", "9x9", "--eye", "0,0.2,0"], None),
+    (BALL, &["--size", "9x9", "--eye", "0,0.2,0"], Some("the eye is inside of the solid")),
     (BALL, &["--size", "9x9", "--eye", "1e5,0,0"], None),
     (BALL, &["--size", "9x9", "--eye", "1e9,0,0"], Some("the eye is so far away")),
     (BALL, &["--size", "9x9", "--eye", "3,0,0", "--target", "9,0,0"], Some("nothing is to be seen")),

@@ -171,13 +171,13 @@ impl<R: Real> Domain for Affine<R> {
     }
     #[inline(always)]
     fn sin(self) -> Self {
-        let (sine, cosine) = crate::trig::sin_cos(self.middle());
+        let (sine, cosine) = self.middle().sin_cos();
         let image = Domain::sin(self.range);
         self.taylor(sine, cosine, -image, image)
     }
     #[inline(always)]
     fn cos(self) -> Self {
-        let (sine, cosine) = crate::trig::sin_cos(self.middle());
+        let (sine, cosine) = self.middle().sin_cos();
         let image = Domain::cos(self.range);
         self.taylor(cosine, -sine, -image, image)
     }

@@ -1,21 +1,12 @@
 //! The operations on intervals.
 
-use super::{FAR, Interval, LIBRARY_ULPS};
+use super::{FAR, Interval, function_ulps};
 use crate::domain::Domain;
+use crate::elementary::*;
 use crate::function::expand;
 use crate::real::whole_power;
 use crate::{Function, Real, Scalar};
 use std::f64::consts::{FRAC_PI_2, PI};
-
-#[inline(always)]
-fn power<R: Real>(base: R, exponent: R) -> R {
-    base.map2(exponent, f64::powf)
-}
-
-#[inline(always)]
-fn angle<R: Real>(y: R, x: R) -> R {
-    y.map2(x, f64::atan2)
-}
 
 /// The image of a box under a function: what it says itself, and what its expansion around the middle leaves.
 fn image(function: &dyn Function, boxes: &[Interval<f64>], scratch: &mut [Vec<f64>; 2]) -> Interval<f64> {
@@ -138,11 +129,11 @@ impl<R: Real> Domain for Interval<R> {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        self.rising(f64::exp).at_least(self.zero())
+        self.rising(Exp).at_least(self.zero())
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        self.rising(f64::ln).undefined_where(self.lo.is_lt(self.zero()))
+        self.rising(Ln).undefined_where(self.lo.is_lt(self.zero()))
     }
     #[inline(always)]
     fn sin(self) -> Self {
@@ -162,7 +153,7 @@ impl<R: Real> Domain for Interval<R> {
     }
     #[inline(always)]
     fn tan(self) -> Self {
-        let range = self.rising(f64::tan);
+        let range = self.rising(Tan);
         let wide = !((self.hi - self.lo).is_lt(self.constant_real(PI)))
             | !self.magnitude().is_lt(self.constant_real(FAR))
             | self.meets(FRAC_PI_2, PI);
@@ -171,33 +162,33 @@ impl<R: Real> Domain for Interval<R> {
     }
     #[inline(always)]
     fn asin(self) -> Self {
-        self.rising(f64::asin).undefined_where(self.leaves_unit())
+        self.rising(Asin).undefined_where(self.leaves_unit())
     }
     #[inline(always)]
     fn acos(self) -> Self {
-        let range = Self::rounded(self.hi.map(f64::acos), self.lo.map(f64::acos), LIBRARY_ULPS);
+        let range = Self::rounded(self.hi.apply(Acos), self.lo.apply(Acos), function_ulps::<R>());
         range.at_least(self.zero()).undefined_where(self.leaves_unit())
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        self.rising(f64::atan)
+        self.rising(Atan)
     }
     #[inline(always)]
     fn sinh(self) -> Self {
-        self.rising(f64::sinh)
+        self.rising(Sinh)
     }
     #[inline(always)]
     fn cosh(self) -> Self {
-        Domain::abs(self).rising(f64::cosh).at_least(self.constant_real(1.0))
+        Domain::abs(self).rising(Cosh).at_least(self.constant_real(1.0))
     }
     #[inline(always)]
     fn tanh(self) -> Self {
         let one = self.constant_real(1.0);
-        self.rising(f64::tanh).at_least(-one).at_most(one)
+        self.rising(Tanh).at_least(-one).at_most(one)
     }
     #[inline(always)]
     fn atanh(self) -> Self {
-        self.rising(f64::atanh).undefined_where(self.leaves_unit())
+        self.rising(Atanh).undefined_where(self.leaves_unit())
     }
     #[inline(always)]
     fn floor(self) -> Self {
@@ -260,24 +251,26 @@ impl<R: Real> Domain for Interval<R> {
     /// For positive bases the extremes lie in the corners; otherwise only one whole exponent is defined.
     #[inline(always)]
     fn pow(self, other: Self) -> Self {
-        let corners = [
-            power(self.lo, other.lo),
-            power(self.lo, other.hi),
-            power(self.hi, other.lo),
-            power(self.hi, other.hi),
-        ];
         let single = other.lo.is_eq(other.hi);
-        let positive =
-            self.zero().is_lt(self.lo) | (self.zero().is_le(self.lo) & self.zero().is_lt(other.lo));
-        let range = Self::hull4(corners, LIBRARY_ULPS).at_least(self.zero());
+        let (a, b) = (self.lo.apply2(other.lo, Pow), self.hi.apply2(other.lo, Pow));
+        // Of a single exponent these are the same.
+        let (c, d) = if R::any(!single) {
+            (self.lo.apply2(other.hi, Pow), self.hi.apply2(other.hi, Pow))
+        } else {
+            (a, b)
+        };
+        let zero = self.zero();
+        let positive = zero.is_lt(self.lo) | (zero.is_le(self.lo) & zero.is_lt(other.lo));
+        let range = Self::hull4([a, b, c, d], function_ulps::<R>()).at_least(zero);
         let even = (other.lo * self.constant_real(0.5)).round_down() * self.constant_real(2.0);
         let is_even = single & even.is_eq(other.lo);
         let is_odd = single & !is_even & other.lo.round_down().is_eq(other.lo);
-        let rising_whole = (is_even | is_odd) & self.zero().is_lt(other.lo);
+        let rising_whole = (is_even | is_odd) & zero.is_lt(other.lo);
+        let least = R::pick(self.straddles_zero(), zero, a.lesser(b));
         let through_zero = Self::rounded(
-            R::pick(is_even, power(Domain::abs(self).lo, other.lo), corners[0]),
-            R::pick(is_even, power(Domain::abs(self).hi, other.lo), corners[2]),
-            LIBRARY_ULPS,
+            R::pick(is_even, least, a),
+            R::pick(is_even, a.greater(b), b),
+            function_ulps::<R>(),
         );
         let any_nan = self.lo.is_nan_mask() | other.lo.is_nan_mask();
         Self::choose(positive, range, through_zero).undefined_where(!(positive | rising_whole) | any_nan)
@@ -285,14 +278,14 @@ impl<R: Real> Domain for Interval<R> {
     #[inline(always)]
     fn atan2(self, other: Self) -> Self {
         let corners = [
-            angle(self.lo, other.lo),
-            angle(self.lo, other.hi),
-            angle(self.hi, other.lo),
-            angle(self.hi, other.hi),
+            self.lo.apply2(other.lo, Atan2),
+            self.lo.apply2(other.hi, Atan2),
+            self.hi.apply2(other.lo, Atan2),
+            self.hi.apply2(other.hi, Atan2),
         ];
         let cut = self.straddles_zero() & other.lo.is_le(self.zero());
         let pi = self.constant_real(PI);
-        let range = Self::hull4(corners, LIBRARY_ULPS);
+        let range = Self::hull4(corners, function_ulps::<R>());
         let any_nan = self.lo.is_nan_mask() | other.lo.is_nan_mask();
         let whole = Self::rounded(-pi, pi, 1.0);
         Self::choose(cut, whole, range).undefined_where(any_nan)

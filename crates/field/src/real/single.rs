@@ -1,6 +1,10 @@
 //! Numbers one at a time.
 
-use super::{Real, Scalar};
+use super::{
+    Double, EXPONENT_BIAS, HALF_OF_HIGH_PART, HIGH_PART, LAST_WHOLE, ONE, Real, SIGNIFICAND,
+    SIGNIFICAND_BITS, Scalar,
+};
+use crate::elementary::{self, Elementary, Elementary2, LIBRARY_ULPS};
 
 impl Scalar for f64 {
     #[inline(always)]
@@ -34,6 +38,7 @@ macro_rules! scalar_real {
             const ULP: f64 = $scalar::EPSILON as f64;
             const TINY: f64 = $scalar::MIN_POSITIVE as f64;
             const HUGE: f64 = $scalar::MAX as f64;
+            const FUNCTION_ULPS: f64 = LIBRARY_ULPS;
 
             #[inline(always)]
             fn token(self) {}
@@ -56,6 +61,19 @@ macro_rules! scalar_real {
             #[inline(always)]
             fn map2(self, other: Self, f: fn(f64, f64) -> f64) -> Self {
                 f(self as f64, other as f64) as $scalar
+            }
+            #[inline(always)]
+            fn apply<F: Elementary>(self, _: F) -> Self {
+                F::library(self as f64) as $scalar
+            }
+            #[inline(always)]
+            fn apply2<F: Elementary2>(self, other: Self, _: F) -> Self {
+                F::library(self as f64, other as f64) as $scalar
+            }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                let (sine, cosine) = elementary::sin_cos(self as f64);
+                (sine as $scalar, cosine as $scalar)
             }
             #[inline(always)]
             fn from_lanes((): (), mut f: impl FnMut(usize) -> f64) -> Self {
@@ -122,3 +140,23 @@ macro_rules! scalar_real {
 }
 scalar_real!(f64);
 scalar_real!(f32);
+
+impl Double for f64 {
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        f64::from_bits((self + (LAST_WHOLE + EXPONENT_BIAS)).to_bits() << SIGNIFICAND_BITS)
+    }
+    #[inline(always)]
+    fn exponent(self) -> Self {
+        f64::from_bits(self.to_bits() >> SIGNIFICAND_BITS | LAST_WHOLE.to_bits())
+            - (LAST_WHOLE + EXPONENT_BIAS)
+    }
+    #[inline(always)]
+    fn significand(self) -> Self {
+        f64::from_bits(self.to_bits() & SIGNIFICAND | ONE)
+    }
+    #[inline(always)]
+    fn high_part(self) -> Self {
+        f64::from_bits((self.to_bits() + HALF_OF_HIGH_PART) & HIGH_PART)
+    }
+}

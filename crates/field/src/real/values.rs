@@ -3,6 +3,7 @@
 use super::{Real, length2, whole_power};
 use crate::Function;
 use crate::domain::Domain;
+use crate::elementary::*;
 
 /// The meaning of the operations on single values: plain floating-point arithmetic.
 impl<R: Real> Domain for R {
@@ -88,51 +89,51 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn exp(self) -> Self {
-        self.map(f64::exp)
+        self.apply(Exp)
     }
     #[inline(always)]
     fn ln(self) -> Self {
-        self.map(f64::ln)
+        self.apply(Ln)
     }
     #[inline(always)]
     fn sin(self) -> Self {
-        crate::trig::sin_cos(self).0
+        Real::sin_cos(self).0
     }
     #[inline(always)]
     fn cos(self) -> Self {
-        crate::trig::sin_cos(self).1
+        Real::sin_cos(self).1
     }
     #[inline(always)]
     fn tan(self) -> Self {
-        self.map(f64::tan)
+        self.apply(Tan)
     }
     #[inline(always)]
     fn asin(self) -> Self {
-        self.map(f64::asin)
+        self.apply(Asin)
     }
     #[inline(always)]
     fn acos(self) -> Self {
-        self.map(f64::acos)
+        self.apply(Acos)
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        self.map(f64::atan)
+        self.apply(Atan)
     }
     #[inline(always)]
     fn sinh(self) -> Self {
-        self.map(f64::sinh)
+        self.apply(Sinh)
     }
     #[inline(always)]
     fn cosh(self) -> Self {
-        self.map(f64::cosh)
+        self.apply(Cosh)
     }
     #[inline(always)]
     fn tanh(self) -> Self {
-        self.map(f64::tanh)
+        self.apply(Tanh)
     }
     #[inline(always)]
     fn atanh(self) -> Self {
-        self.map(f64::atanh)
+        self.apply(Atanh)
     }
     #[inline(always)]
     fn floor(self) -> Self {
@@ -144,7 +145,9 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn round(self) -> Self {
-        self.map(f64::round)
+        let whole = Domain::trunc(self);
+        let rest = (self - whole).magnitude();
+        R::pick(rest.is_lt(self.like(0.5)), whole, whole + Domain::sign(self))
     }
     #[inline(always)]
     fn trunc(self) -> Self {
@@ -191,11 +194,11 @@ impl<R: Real> Domain for R {
     }
     #[inline(always)]
     fn pow(self, other: Self) -> Self {
-        self.map2(other, |a, b| (a + 0.0).powf(b))
+        self.apply2(other, Pow)
     }
     #[inline(always)]
     fn atan2(self, other: Self) -> Self {
-        self.map2(other, |y, x| (y + 0.0).atan2(x + 0.0))
+        self.apply2(other, Atan2)
     }
     #[inline(always)]
     fn rem(self, other: Self) -> Self {

@@ -1,6 +1,6 @@
 //! Whether a document has the shape of a scene, by the table of keys.
 
-use super::keys::{FACE, MOTION, SCENE, SOLID, Section, Shape, TEXTURE};
+use super::keys::{FACE, MAPS, MOTION, SCENE, SOLID, STEP, Section, Shape, TEXTURE};
 use super::tree::{Entry, Kind, Table, Value};
 use fieldstone_lang::Diagnostic;
 
@@ -119,14 +119,8 @@ impl Check {
                 Some(table) => self.section(table, &FACE),
                 None => self.colour(value, key),
             },
-            Shape::Motions => {
-                for motion in value.one_or_many() {
-                    match motion.table() {
-                        Some(table) => self.section(table, &MOTION),
-                        None => self.expect(false, motion, key, "a motion such as { translate = [0, 0, 1] }"),
-                    }
-                }
-            }
+            Shape::Motions => self.steps(value, key, &MOTION),
+            Shape::Steps => self.steps(value, key, &STEP),
             Shape::Table(section) => match value.table() {
                 Some(table) => self.section(table, section),
                 None => self.expect(false, value, key, "a table"),
@@ -157,6 +151,24 @@ impl Check {
                 None => self.expect(false, value, key, "a table of names"),
             },
             Shape::Either(first, second) => self.either(value, (first, second), key),
+        }
+    }
+
+    fn steps(&mut self, value: &Value, key: &str, section: &'static Section) {
+        for step in value.one_or_many() {
+            let Some(table) = step.table() else {
+                self.expect(false, step, key, "a motion such as { translate = [0, 0, 1] }");
+                continue;
+            };
+            let is_map = |entry: &&Entry| MAPS.iter().any(|(map, _)| *map == entry.key);
+            match table.entries.iter().find(is_map).filter(|entry| section.key(&entry.key).is_none()) {
+                None => self.section(table, section),
+                Some(map) => {
+                    let message = format!("copies are moved, but not mapped by `{}`", map.key);
+                    let error = Diagnostic::error(map.key_span.clone(), message, "no motion");
+                    self.errors.push(error.with_help("put it into `transform`, which holds for all copies"));
+                }
+            }
         }
     }
 

@@ -7,8 +7,9 @@
 use super::expression::{self, Expression, NORMAL, Names};
 use super::fault::{Fault, Outcome};
 use super::keys::{OF_OBJECTS, SOURCES};
+use super::map::{Plane, unit};
 use super::material::MaterialDraft;
-use super::motion::motions;
+use super::motion::steps;
 use super::number::Numbers;
 use super::operation::SetOperations;
 use super::primitive::PRIMITIVES;
@@ -192,10 +193,8 @@ impl<'n, 'd> Composer<'n, 'd> {
     ) -> Outcome<Built> {
         let look =
             Look { material: table.get("material").or(look.material), back: table.get("back").or(look.back) };
-        let moved = match table.get("transform") {
-            Some(transform) => self.moved(space, &motions(self.numbers, transform)?),
-            None => *space,
-        };
+        let steps = steps(self.numbers, table.get("transform"))?;
+        let moved = self.stepped(space, &steps);
         self.body(value, (table, name), &moved, look)
     }
 
@@ -232,6 +231,7 @@ impl<'n, 'd> Composer<'n, 'd> {
             }
         }?;
         let built = self.merged(built, name, first);
+        let built = self.grown(built, table)?;
         match table.get("section") {
             Some(sections) => self.cut(built, sections, space, look),
             None => Ok(built),
@@ -300,15 +300,8 @@ impl<'n, 'd> Composer<'n, 'd> {
         for section in sections.one_or_many() {
             let table = section.table();
             let get = |key: &str| table.and_then(|table| table.get(key));
-            let Some(normal) = get("normal") else {
-                return Err(section.error("a section has a normal", "`normal` is missing").into());
-            };
-            let direction = DVec3::from(self.numbers.numbers::<3>(normal)?);
-            let unit = direction
-                .try_normalize()
-                .ok_or_else(|| normal.error("a normal has a length", "no direction"))?;
-            let offset = get("offset").map_or(Ok(0.0), |offset| self.numbers.number(offset))?;
-            let plane = self.linear(space.point, unit, -offset);
+            let Plane { normal, offset } = Plane::read(self.numbers, section)?;
+            let plane = self.linear(space.point, normal, -offset);
             value = self.graph.max(value, plane);
             tree = match get("material") {
                 Some(material) => {
@@ -549,10 +542,7 @@ impl<'n, 'd> Composer<'n, 'd> {
         // Normals go the other way by the transpose of the map.
         let columns = outer_from_inner.matrix3;
         let turned: [NodeId; 3] = std::array::from_fn(|k| self.linear(space.normal, columns.col(k), 0.0));
-        let squares = turned.map(|n| self.graph.square(n));
-        let sum = squares[1..].iter().fold(squares[0], |sum, s| self.graph.add(sum, *s));
-        let length = self.graph.sqrt(sum);
-        Space { point, normal: turned.map(|n| self.graph.div(n, length)) }
+        Space { point, normal: unit(&mut self.graph, turned) }
     }
 
     /// factors · x + constant.

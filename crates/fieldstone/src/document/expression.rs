@@ -37,11 +37,22 @@ impl Expression {
 ///
 /// A formula has no names but its own, so that those of the scene are defined before it, each in the place of a parameter.
 pub(super) fn read(document: &Document, value: &Value, text: &str, names: Names) -> Outcome<Expression> {
+    read_of(document, value, text, (names, &[]))
+}
+
+/// The same for a formula of further names.
+pub(super) fn read_of(
+    document: &Document,
+    value: &Value,
+    text: &str,
+    (names, further): (Names, &[&str]),
+) -> Outcome<Expression> {
     let own = own_names(text);
     let is_known = |name: &str| {
         names.parameters && document.parameter(name).is_some()
             || names.fields && document.field(name).is_some()
             || names.normal && NORMAL.contains(&name)
+            || further.contains(&name)
     };
     let mut used: Vec<String> = Vec::new();
     for word in words(text) {

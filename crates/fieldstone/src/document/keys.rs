@@ -1,5 +1,9 @@
 //! The table of all keys of scene files. Checks, suggestions and the JSON Schema are made from it.
 
+mod space;
+
+pub(super) use space::{MAPS, MOTION, STEP};
+
 /// What a value may be.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
@@ -37,6 +41,8 @@ pub(super) enum Shape {
     Face,
     /// A motion, or a list of them.
     Motions,
+    /// A motion or a mapping of space, or a list of them.
+    Steps,
     /// A table with these keys.
     Table(&'static Section),
     /// A list of such values; at least one.
@@ -99,7 +105,7 @@ const fn key(name: &'static str, shape: Shape, about: &'static str) -> Key {
 
 use Shape::{
     Channel, Choice, Colour, ColourChannel, Either, Face, File, Flag, Formula, LightChannel, List, Material,
-    Matrix, Motions, Named, Number, Numbers, OneOrMany, Solid, Table, Text, Whole,
+    Motions, Named, Number, Numbers, OneOrMany, Solid, Steps, Table, Text, Whole,
 };
 
 /// The keys that say what a solid is; it has exactly one.
@@ -126,12 +132,15 @@ pub(super) const OF_OBJECTS: [&str; 9] =
 const METHODS: Shape = Choice(&["affine", "interval", "sampled"]);
 const CONDITIONS: Shape = OneOrMany(&Formula);
 
+const PLANE_OFFSET: Key =
+    key("offset", Number, "The plane is normal·p = offset, for a normal of length 1; default: 0.");
+
 pub(super) static SECTION: Section = Section {
     name: "a section",
     shared: &[],
     keys: &[
         key("normal", Numbers(3), "The direction of what is removed."),
-        key("offset", Number, "The plane is normal·p = offset, for a normal of length 1; default: 0."),
+        PLANE_OFFSET,
         key(
             "material",
             Material,
@@ -243,6 +252,19 @@ pub(super) static SWEEP: Section = Section {
         key("polyline", List(&Numbers(3)), "The curve from point to point."),
         key("bezier", List(&Numbers(3)), "The Bezier curve of 2 to 16 control points."),
         key("helix", Numbers(3), "Around z: radius, rise of a turn, turns."),
+        key("curve", Table(&CURVE), "Any curve, by formulas of u."),
+    ],
+};
+
+pub(super) static CURVE: Section = Section {
+    name: "a curve",
+    shared: &[],
+    keys: &[
+        key("x", Formula, "A formula of u."),
+        key("y", Formula, "A formula of u."),
+        key("z", Formula, "A formula of u."),
+        key("from", Number, "The least u; default: 0."),
+        key("to", Number, "The largest u; default: 1."),
     ],
 };
 
@@ -284,7 +306,17 @@ pub(super) static SOLID: Section = Section {
         ),
         key("material", Material, "Its material; default: that of what it is part of."),
         key("back", Material, "The material of its surface from inside; default: as from outside."),
-        key("transform", Motions, "Motions, applied in this order; default: none."),
+        key("transform", Steps, "Motions and mappings of space, applied in this order; default: none."),
+        key(
+            "offset",
+            Number,
+            "How far its surface is moved out, where its function is a distance; default: 0.",
+        ),
+        key(
+            "shell",
+            Number,
+            "A wall along its surface, so thick where its function is a distance; default: none.",
+        ),
         key(
             "set_operations",
             Choice(&["minmax", "r"]),
@@ -326,7 +358,7 @@ pub(super) static OBJECT: Section = Section {
     keys: &[
         key("solid", Solid, "What stands there."),
         key("material", Material, "Its material instead of its own."),
-        key("transform", Motions, "Motions, applied in this order; default: none."),
+        key("transform", Steps, "Motions and mappings of space, applied in this order; default: none."),
         key("instances", List(&Motions), "Motions of each copy, after `transform`."),
         key("scatter", Table(&SCATTER), "Copies at random places."),
         key("grid", Table(&GRID), "Copies in rows."),
@@ -371,7 +403,11 @@ pub(super) static LIGHT: Section = Section {
         key("colour", Colour, "Its colour; default: white."),
         key("strength", Number, "Times the colour, at distance 1; default: 1."),
         key("shadows", Flag, "Whether solids block it; default: true."),
-        key("samples", Whole(1, 1024), "sphere, rectangle: points looked at from each place; default: 4."),
+        key(
+            "samples",
+            Whole(1, 1024),
+            "sphere, rectangle: points looked at from each place, at most; default: 4.",
+        ),
         key("visible", Flag, "sphere, rectangle: whether one sees it; default: false."),
     ],
 };
@@ -407,7 +443,11 @@ pub(super) static ENVIRONMENT: Section = Section {
         key("strength", Number, "Times the colours; default: 1."),
         key("visible", Flag, "Whether one sees it behind the solids; default: true."),
         key("rotation", Number, "Degrees about the axis `up`, counter-clockwise; default: 0."),
-        key("samples", Whole(1, 1024), "Directions looked at from each point that it lights; default: 4."),
+        key(
+            "samples",
+            Whole(1, 1024),
+            "Directions looked at from each point that it lights, at most; default: 4.",
+        ),
         key("up", Numbers(3), "The direction of the zenith; default: that of the camera."),
     ],
 };
@@ -442,7 +482,11 @@ pub(super) static RENDER: Section = Section {
     shared: &[],
     keys: &[
         key("size", List(&Whole(1, 1 << 26)), "Width and height in pixels; default: 512, 512."),
-        key("samples", Whole(1, 4096), "Samples of a pixel where there are edges in it; default: 4."),
+        key(
+            "samples",
+            Whole(1, 4096),
+            "The most samples of a pixel where there are edges or noise in it; default: 4.",
+        ),
         key("method", METHODS, "How surfaces are found; default: affine."),
         key("step", Number, "sampled: the step, relative to the longest side of the bounds."),
         key("accept_epsilon", Number, "interval: accepted without proof, relative to the longest side."),
@@ -477,26 +521,6 @@ pub(super) static SCENE: Section = Section {
         key("environment", Table(&ENVIRONMENT), "What is around the scene."),
         key("camera", Table(&CAMERA), "From where it is seen."),
         key("render", Table(&RENDER), "How it is drawn."),
-    ],
-};
-
-pub(super) static ROTATION: Section = Section {
-    name: "a rotation",
-    shared: &[],
-    keys: &[
-        key("axis", Numbers(3), "The axis, through the origin."),
-        key("degrees", Number, "Counter-clockwise, seen from the end of the axis."),
-    ],
-};
-
-pub(super) static MOTION: Section = Section {
-    name: "a motion",
-    shared: &[],
-    keys: &[
-        key("translate", Numbers(3), "By a vector."),
-        key("rotate", Table(&ROTATION), "About an axis through the origin."),
-        key("scale", Either(&Number, &Numbers(3)), "By a factor, or one for each axis."),
-        key("matrix", Matrix, "Three rows of three numbers, or four, the last a translation."),
     ],
 };
 

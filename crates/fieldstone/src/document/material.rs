@@ -6,6 +6,7 @@ use super::expression::Names;
 use super::fault::{Fault, Outcome};
 use super::tree::{EMPTY, Entry, Kind, Table, Value};
 use fieldstone_field::NodeId;
+use fieldstone_lang::Diagnostic;
 use fieldstone_scene::{Appearance, Channel, Material, Shading, srgb_to_linear};
 
 /// A material of a part, whose textures are nodes of the program of its object.
@@ -60,6 +61,7 @@ impl<'d> Composer<'_, 'd> {
         attributes: Option<&[NodeId]>,
     ) -> Outcome<MaterialDraft> {
         let table = entry.value.table().unwrap_or(&EMPTY);
+        refuse_other_keys(table)?;
         let mut draft = MaterialDraft { base: model(table), textures: Vec::new() };
         for channel in Channel::ALL {
             let Some(value) = table.get(channel.name()) else { continue };
@@ -174,6 +176,31 @@ impl<'d> Composer<'_, 'd> {
             .collect();
         let constants: Vec<f64> = nodes.iter().filter_map(|n| self.graph.constant_value(*n)).collect();
         Ok(constants.try_into().map_or(Content::Texture(nodes, false), Content::Constant))
+    }
+}
+
+/// The keys that have a meaning with Blinn-Phong alone, and those that have one with GGX alone.
+const OF_BLINN_PHONG: [&str; 5] = ["specular", "shininess", "reflection", "fresnel", "normalised"];
+const OF_GGX: [&str; 3] = ["roughness", "metallic", "compensated"];
+
+/// Keys that do nothing with the model of a material are mistakes.
+fn refuse_other_keys(table: &Table) -> Outcome<()> {
+    let name = table.get("model").and_then(Value::text).unwrap_or("blinn-phong");
+    let (strange, help): (&[&str], &str) = match name {
+        "ggx" | "metal" | "glass" => {
+            (&OF_BLINN_PHONG, "highlights and mirroring follow from its `roughness`")
+        }
+        "mirror" => (&OF_GGX, "a rough mirror is model = \"metal\" with `roughness`"),
+        "gradient" => return Ok(()),
+        _ => (&OF_GGX, "model = \"ggx\" has it"),
+    };
+    match table.entries.iter().find(|entry| strange.contains(&entry.key.as_str())) {
+        None => Ok(()),
+        Some(entry) => {
+            let message = format!("`{}` has no meaning with model = \"{name}\"", entry.key);
+            let error = Diagnostic::error(entry.key_span.clone(), message, "does nothing");
+            Err(error.with_help(help).into())
+        }
     }
 }
 

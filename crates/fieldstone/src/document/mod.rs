@@ -14,6 +14,7 @@ mod files;
 mod finish;
 mod keys;
 mod light;
+mod map;
 mod material;
 mod motion;
 mod number;
@@ -29,6 +30,7 @@ mod view;
 pub use files::FileAccess;
 pub use schema::scene_schema;
 
+use crate::eye;
 use crate::load::{LoadError, read_text};
 use crate::request::{Resolved, Warning};
 use fault::{Fault, Outcome};
@@ -155,16 +157,17 @@ impl Document {
         let up = if stage.is_y_up() { fieldstone_scene::Up::Y } else { fieldstone_scene::Up::Z };
         let camera = view::camera(&numbers, request, (&stage.bounds()?, up), settings.size)?;
         let lighting = light::lighting(&numbers, &camera)?;
-        let warnings: Vec<Warning> = stage.warnings.iter().map(|(_, warning)| *warning).collect();
-        let mut messages: Vec<String> = stage
-            .warnings
-            .iter()
-            .map(|(name, warning)| format!("warning: {}", warning.of_object(name)))
-            .collect();
-        messages.extend(self.files.warnings());
-        let object::Stage { solids, instances, objects, .. } = stage;
+        let object::Stage { solids, instances, objects, mut warnings, .. } = stage;
         let scene = Scene::with_instances(solids, instances, camera, lighting, settings)
             .map_err(|error| self.fault_of("render", error.to_string()))?;
+        if let Some((solid, warning)) = eye::warning(&scene) {
+            let name = solid.map_or("camera", |solid| &objects[solid]);
+            warnings.push((name.to_owned(), warning));
+        }
+        let mut messages: Vec<String> =
+            warnings.iter().map(|(name, warning)| format!("warning: {}", warning.of_object(name))).collect();
+        messages.extend(self.files.warnings());
+        let warnings: Vec<Warning> = warnings.into_iter().map(|(_, warning)| warning).collect();
         Ok(ResolvedDocument { resolved: Resolved { scene, warnings }, messages, objects })
     }
 

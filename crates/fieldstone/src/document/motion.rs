@@ -1,6 +1,8 @@
-//! Motions: lists of translations, rotations, scalings and matrices.
+//! Motions: lists of translations, rotations, reflections, scalings and matrices, and mappings of space between them.
 
+use super::compose::{Composer, Space};
 use super::fault::Outcome;
+use super::map::{Plane, SpaceMap};
 use super::number::Numbers;
 use super::tree::{EMPTY, Value};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -15,20 +17,75 @@ pub(super) fn motions(numbers: &Numbers<'_>, value: &Value) -> Outcome<DAffine3>
             }
         }
     }
-    if all.is_finite() && all.inverse().is_finite() {
-        return Ok(all);
+    invertible(all, value)
+}
+
+fn invertible(motion: DAffine3, value: &Value) -> Outcome<DAffine3> {
+    if motion.is_finite() && motion.inverse().is_finite() {
+        return Ok(motion);
     }
     Err(value.error("a motion that cannot be taken back: it flattens space", "scales to nothing").into())
+}
+
+/// A step of a `transform`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Step {
+    Motion(DAffine3),
+    Map(SpaceMap),
+}
+
+/// The steps of one `transform` after the other, in their order; motions that follow one another are one.
+pub(super) fn steps<'v>(
+    numbers: &Numbers<'_>,
+    transforms: impl IntoIterator<Item = &'v Value>,
+) -> Outcome<Vec<Step>> {
+    let mut all: Vec<Step> = Vec::new();
+    for transform in transforms {
+        for entry in transform.one_or_many().iter().filter_map(Value::table).flat_map(|table| &table.entries)
+        {
+            if let Some(map) = SpaceMap::read(numbers, entry)? {
+                all.push(Step::Map(map));
+                continue;
+            }
+            let next = motion(numbers, (&entry.key, &entry.value))?;
+            let before = match all.pop() {
+                Some(Step::Motion(before)) => before,
+                other => {
+                    all.extend(other);
+                    DAffine3::IDENTITY
+                }
+            };
+            all.push(Step::Motion(invertible(next * before, transform)?));
+        }
+    }
+    Ok(all)
+}
+
+impl Composer<'_, '_> {
+    /// The space of a solid that goes through these steps.
+    pub(super) fn stepped(&mut self, space: &Space, steps: &[Step]) -> Space {
+        steps.iter().rev().fold(*space, |space, step| match step {
+            Step::Motion(motion) => self.moved(&space, motion),
+            Step::Map(map) => self.mapped(&space, map),
+        })
+    }
 }
 
 fn motion(numbers: &Numbers<'_>, (key, value): (&str, &Value)) -> Outcome<DAffine3> {
     Ok(match key {
         "translate" => DAffine3::from_translation(numbers.numbers(value)?.into()),
         "rotate" => DAffine3::from_quat(rotation(numbers, value)?),
+        "reflect" => reflection(&Plane::read(numbers, value)?),
         "scale" if value.list().is_some() => DAffine3::from_scale(numbers.numbers(value)?.into()),
         "scale" => DAffine3::from_scale(DVec3::splat(numbers.number(value)?)),
         _ => matrix(numbers, value)?,
     })
+}
+
+fn reflection(plane: &Plane) -> DAffine3 {
+    let image = |p: DVec3| p - 2.0 * p.dot(plane.normal) * plane.normal;
+    let [x, y, z] = DVec3::AXES.map(image);
+    DAffine3::from_mat3_translation(DMat3::from_cols(x, y, z), 2.0 * plane.foot())
 }
 
 fn rotation(numbers: &Numbers<'_>, value: &Value) -> Outcome<DQuat> {

@@ -3,7 +3,7 @@
 use super::compose::{Built, Composer, Look, PartDraft, Space};
 use super::fault::{Fault, Outcome};
 use super::finish::Attributes;
-use super::motion::motions;
+use super::motion::{Step, motions, steps};
 use super::number::Numbers;
 use super::tree::{Entry, Table, Value};
 use super::{MAX_ALL_INSTANCES, MAX_INSTANCES, view};
@@ -217,7 +217,7 @@ impl<'n, 'd> Stage<'n, 'd> {
     /// An object but for its bounds.
     fn draft(&self, placed: &Placed<'d>) -> Outcome<Draft> {
         let mut composer = Composer::new(self.numbers);
-        let space = composer.space();
+        let (space, base) = self.place(&mut composer, placed)?;
         let named = self.numbers.document().entry("solids", &placed.name);
         if named.is_some_and(|entry| std::ptr::eq(&raw const entry.value, placed.solid)) {
             composer.begin(&placed.name);
@@ -232,14 +232,26 @@ impl<'n, 'd> Stage<'n, 'd> {
         let ball = self.ball(placed, shown)?;
         let surface = placed.flag("surface").unwrap_or(shown.is_some_and(|s| s.surface));
         let bounds = placed.get("bounds").map(|value| view::bounds(self.numbers, value)).transpose()?;
-        let from_solid = placed.solid.table().and_then(|table| table.get("transform"));
-        let own = placed.object.and_then(|table| table.get("transform"));
-        let motion =
-            |value: Option<&'d Value>| value.map_or(Ok(DAffine3::IDENTITY), |v| motions(self.numbers, v));
-        let base = motion(own)? * motion(from_solid)?;
         let copies = self.copies(placed)?.into_iter().map(|copy| copy * base).collect();
         let Composer { graph, parts, fuel, ups, .. } = composer;
         Ok(Draft { graph, parts, fuel, ups, built, conditions, surface, ball, bounds, copies })
+    }
+
+    /// The space in which an object is composed, and the motion of all that stands in it. Where space is mapped by more
+    /// than motions, what comes before is part of the program.
+    fn place(&self, composer: &mut Composer<'n, 'd>, placed: &Placed<'d>) -> Outcome<(Space, DAffine3)> {
+        let tables = [placed.solid.table(), placed.object];
+        let transforms = tables.into_iter().flatten().filter_map(|table| table.get("transform"));
+        let mut steps = steps(self.numbers, transforms)?;
+        let base = match steps.last() {
+            Some(&Step::Motion(last)) => {
+                steps.pop();
+                last
+            }
+            _ => DAffine3::IDENTITY,
+        };
+        let space = composer.space();
+        Ok((composer.stepped(&space, &steps), base))
     }
 
     fn add(&mut self, placed: &Placed<'d>, draft: Draft, found: Option<Bounds>) -> Outcome<()> {

@@ -11,7 +11,7 @@ use super::tree::{EMPTY, Table, Value};
 use fieldstone_field::{Graph, NodeId};
 use fieldstone_lang::Diagnostic;
 use fieldstone_scene::Tree;
-use fieldstone_solids::{Blend, Blended, Joint, gaussian, join, linear, sigmoid};
+use fieldstone_solids::{Blend, Blended, Joint, gaussian, join, linear, offset, shell, sigmoid};
 
 /// How the set operations of a solid are computed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -63,6 +63,70 @@ impl<'d> Composer<'_, 'd> {
         let mut shares = self.scaled(from_shares, rest);
         shares.extend(self.scaled(to_shares, weight));
         Ok(self.blended(name, field, (first, shares)))
+    }
+
+    /// What `offset` and `shell` of a table make of a solid, one after the other. Its parts become parts of what it is
+    /// then: a wall has them on both sides.
+    pub(super) fn grown(&mut self, built: Built, table: &Table) -> Outcome<Built> {
+        let Built { mut value, mut tree } = built;
+        if let Some(distance) = table.get("offset") {
+            let distance = self.numbers.number(distance)?;
+            let distance = self.graph.constant(distance);
+            value = offset(&mut self.graph, value, distance);
+            tree = self.moved_out(tree, distance);
+        }
+        if let Some(thickness) = table.get("shell") {
+            let thickness = self.numbers.ranged(thickness, (f64::MIN_POSITIVE, f64::MAX, "above 0"))?;
+            let (half, inward) =
+                (self.graph.constant(0.5 * thickness), self.graph.constant(-0.5 * thickness));
+            let thickness = self.graph.constant(thickness);
+            value = shell(&mut self.graph, value, thickness);
+            if !matches!(tree, Tree::Part(_)) {
+                let inner = self.copied(&tree);
+                let inner = Tree::Complement(Box::new(self.moved_out(inner, inward)));
+                tree = Tree::Intersection(vec![self.moved_out(tree, half), inner]);
+            }
+        }
+        if let Tree::Part(part) = tree {
+            self.parts[part].field = value;
+        }
+        Ok(Built { value, tree })
+    }
+
+    /// A tree whose parts are grown by a distance; what is taken away shrinks.
+    fn moved_out(&mut self, tree: Tree, distance: NodeId) -> Tree {
+        match tree {
+            Tree::Part(part) => {
+                self.parts[part].field = offset(&mut self.graph, self.parts[part].field, distance);
+                tree
+            }
+            Tree::Complement(inner) => {
+                let inward = self.graph.neg(distance);
+                Tree::Complement(Box::new(self.moved_out(*inner, inward)))
+            }
+            Tree::Union(trees) => {
+                Tree::Union(trees.into_iter().map(|tree| self.moved_out(tree, distance)).collect())
+            }
+            Tree::Intersection(trees) => {
+                Tree::Intersection(trees.into_iter().map(|tree| self.moved_out(tree, distance)).collect())
+            }
+        }
+    }
+
+    /// A tree of copies of the parts of another.
+    fn copied(&mut self, tree: &Tree) -> Tree {
+        match tree {
+            Tree::Part(part) => {
+                let copy = self.parts[*part].clone();
+                self.parts.push(PartDraft { name: format!("{} (inner side)", copy.name), ..copy });
+                Tree::Part(self.parts.len() - 1)
+            }
+            Tree::Complement(inner) => Tree::Complement(Box::new(self.copied(inner))),
+            Tree::Union(trees) => Tree::Union(trees.iter().map(|tree| self.copied(tree)).collect()),
+            Tree::Intersection(trees) => {
+                Tree::Intersection(trees.iter().map(|tree| self.copied(tree)).collect())
+            }
+        }
     }
 
     /// A solid whose parts are no parts of what is composed, with its materials.

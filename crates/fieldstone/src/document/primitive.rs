@@ -1,19 +1,21 @@
 //! Solids from data files, control values, curves and sections of four dimensions.
 
 use super::compose::{Built, Composer, Look, Space};
+use super::expression::{self, Names};
 use super::fault::{Fault, Outcome};
 use super::tree::{EMPTY, Table, Value};
 use crate::data::{DataError, NumberType, Placement, RawLayout, load_points, load_voxels};
 use fieldstone_field::{Function, Graph, Input, NodeId};
 use fieldstone_solids::{
-    Basis, CURVE_PARAMETER, Curve, Interpolation, Minimum, MinimumError, PROJECTION_PARTS, Reconstruction,
-    SplineVolume,
+    Basis, CURVE_PARAMETER, Course, Curve, Interpolation, MinimumError, Reconstruction, SplineVolume, least,
+    projection,
 };
 use std::sync::Arc;
 
 /// The sources of solids that this module knows.
 pub(super) const PRIMITIVES: [&str; 5] = ["voxels", "points", "spline", "sweep", "projection"];
 
+const ALONG_CURVES: Names = Names { parameters: true, fields: false, normal: false };
 const FROM_ZERO: (f64, f64, &str) = (0.0, f64::MAX, "from 0 on");
 
 impl<'d> Composer<'_, 'd> {
@@ -143,22 +145,74 @@ impl<'d> Composer<'_, 'd> {
             list.map(|list| list.iter().map(|v| self.numbers.numbers(v)).collect()).transpose()
         };
         let helix = table.get("helix").map(|helix| self.numbers.numbers::<3>(helix)).transpose()?;
+        let formulas = table.get("curve").map(|curve| self.curve(curve)).transpose()?;
+        let (formulas, range) = formulas.unzip();
         let curves = [
             vectors("polyline")?.map(Curve::Polyline),
             vectors("bezier")?.map(Curve::Bezier),
             helix.map(|[radius, pitch, turns]| Curve::Helix { radius, pitch, turns }),
+            formulas,
         ];
         let mut curves = curves.into_iter().flatten();
         let (Some(curve), None) = (curves.next(), curves.next()) else {
-            let error = value.error("a sweep has exactly one of polyline, bezier and helix", "no curve");
-            return Err(error.with_help(format!("write {example}")).into());
+            let message = "a sweep has exactly one of polyline, bezier, helix and curve";
+            return Err(value.error(message, "no curve").with_help(format!("write {example}")).into());
         };
         let plain = [0, 1, 2].map(|k| self.graph.input(Input::Coordinate(k)));
         let moved = curve
             .moved_back(&mut self.graph, plain)
             .map_err(|error| value.error(error.to_string(), "no curve"))?;
         let inner = self.inner(solid, &Space { point: moved, ..*space }, None)?;
-        self.least(value, (inner, CURVE_PARAMETER, [0.0, 1.0], curve.parts()), space)
+        let course = curve.course();
+        let course = Course { range: range.unwrap_or(course.range), ..course };
+        self.least(value, (inner, course), space)
+    }
+
+    /// A curve by formulas of u, and where u runs.
+    fn curve(&mut self, value: &'d Value) -> Outcome<(Curve, [f64; 2])> {
+        let table = value.table().unwrap_or(&EMPTY);
+        let example = "curve = { x = \"cos(u)\", y = \"sin(u)\", z = \"u/10\", from = 0, to = 18.85 }";
+        let finite = (f64::MIN, f64::MAX, "that is finite");
+        let range = [self.number_of(table, "from", 0.0, finite)?, self.number_of(table, "to", 1.0, finite)?];
+        if range[0] >= range[1] {
+            let message = format!("u runs from {} to {}: the first must be the smaller", range[0], range[1]);
+            return Err(value.error(message, "no curve").with_help(format!("write {example}")).into());
+        }
+        let mut program = Graph::new();
+        let mut coordinates = [program.constant(0.0); 3];
+        for (coordinate, key) in coordinates.iter_mut().zip(["x", "y", "z"]) {
+            let formula = needed(value, table, key, example)?;
+            *coordinate = self.formula_of_u(&mut program, formula)?;
+        }
+        Ok((Curve::Program(Box::new(program), coordinates), range))
+    }
+
+    /// A formula of u and the parameters of the scene.
+    fn formula_of_u(&mut self, program: &mut Graph, value: &'d Value) -> Outcome<NodeId> {
+        let Some(text) = value.text() else { return Ok(program.constant(self.numbers.number(value)?)) };
+        let read = expression::read_of(self.numbers.document(), value, text, (ALONG_CURVES, &["u"]))?;
+        let field = &read.model.field;
+        let time = self.numbers.time();
+        let mut numbers = Vec::new();
+        for name in read.names.iter().filter(|name| *name != "u") {
+            numbers.push((name.as_str(), self.numbers.parameter(name, value)?.unwrap_or(0.0)));
+        }
+        let is_coordinate = |input: &Input| matches!(input, Input::Coordinate(_));
+        if field.inputs().iter().any(is_coordinate) {
+            let error = value.error("a curve is a formula of u alone", "depends on a coordinate");
+            return Err(error.with_help("x, y, z and w have no meaning along a curve").into());
+        }
+        let nodes = program.import(field.graph(), &[field.value()], |g, input| match read.parameter(input) {
+            Some(parameter) if parameter.name == "u" && read.names.contains(&parameter.name) => {
+                g.input(CURVE_PARAMETER)
+            }
+            Some(parameter) => {
+                let known = numbers.iter().find(|(name, _)| *name == parameter.name);
+                g.constant(known.map_or(parameter.default, |(_, number)| *number))
+            }
+            None => g.constant(time),
+        });
+        Ok(nodes[0])
     }
 
     fn projection(&mut self, value: &'d Value, table: &'d Table, space: &Space) -> Outcome<NodeId> {
@@ -171,7 +225,7 @@ impl<'d> Composer<'_, 'd> {
         let point = [0, 1, 2].map(|k| self.graph.input(Input::Coordinate(k)));
         let fourth = self.graph.input(w);
         let inner = self.inner(solid, &Space { point, ..*space }, Some(fourth))?;
-        self.least(value, (inner, w, [from, to], PROJECTION_PARTS), space)
+        self.least(value, (inner, projection(w, [from, to])), space)
     }
 
     /// The field of a solid that is no part of what is composed, in a space of its own.
@@ -185,26 +239,20 @@ impl<'d> Composer<'_, 'd> {
         Ok(built?.value)
     }
 
-    /// The least value of a field over one of its inputs, in a space.
-    fn least(
-        &mut self,
-        value: &Value,
-        (field, over, range, parts): (NodeId, Input, [f64; 2], usize),
-        space: &Space,
-    ) -> Outcome<NodeId> {
+    /// The least value of a field along a course, in a space.
+    fn least(&mut self, value: &Value, (field, course): (NodeId, Course), space: &Space) -> Outcome<NodeId> {
         let failed = |error: MinimumError| -> Fault { value.error(error.to_string(), "no minimum").into() };
-        let minima = Minimum::in_parts((&self.graph, field), over, range, parts).map_err(failed)?;
-        let node = |g: &mut Graph, input| match input {
+        let program = self.graph.clone();
+        let place = |g: &mut Graph, input| match input {
             Input::Coordinate(k) if k < 3 => space.point[usize::from(k)],
             other => g.input(other),
         };
-        let calls: Vec<NodeId> = minima.into_iter().map(|m| m.call_with(&mut self.graph, node)).collect();
-        let least = calls.into_iter().reduce(|a, b| self.graph.min(a, b));
-        Ok(least.unwrap_or_else(|| self.graph.constant(f64::INFINITY)))
+        least(&mut self.graph, (&program, field), &course, place).map_err(failed)
     }
 }
 
-fn needed<'d>(value: &Value, table: &'d Table, key: &str, example: &str) -> Outcome<&'d Value> {
+/// A value that a table must have; `example` shows such a table.
+pub(super) fn needed<'d>(value: &Value, table: &'d Table, key: &str, example: &str) -> Outcome<&'d Value> {
     table.get(key).ok_or_else(|| {
         let error = value.error(format!("`{key}` is missing"), "incomplete");
         error.with_help(format!("write {example}")).into()

@@ -1,6 +1,6 @@
 //! The JSON Schema of scene files, made from the table of keys.
 
-use super::keys::{FACE, MOTION, SCENE, SOLID, Section, Shape, TEXTURE};
+use super::keys::{FACE, MOTION, SCENE, SOLID, STEP, Section, Shape, TEXTURE};
 use super::number::INTERPOLATIONS;
 use serde_json::{Map, Value, json};
 
@@ -16,6 +16,7 @@ pub fn scene_schema() -> Value {
         "solid": section(&SOLID),
         "texture": section(&TEXTURE),
         "motion": section(&MOTION),
+        "step": section(&STEP),
     });
     if let Some(object) = schema.as_object_mut() {
         object.insert("$schema".to_owned(), json!("https://json-schema.org/draft/2020-12/schema"));
@@ -67,20 +68,19 @@ fn shape_of(shape: &Shape) -> Value {
         ] }),
         Shape::Face => json!({ "anyOf": [{ "$ref": "#/$defs/colour" }, section(&FACE)] }),
         Shape::Solid => json!({ "anyOf": [{ "type": "string" }, { "$ref": "#/$defs/solid" }] }),
-        Shape::Motions => json!({ "anyOf": [
-            { "$ref": "#/$defs/motion" },
-            { "type": "array", "items": { "$ref": "#/$defs/motion" } },
-        ] }),
+        Shape::Motions => one_or_many(&json!({ "$ref": "#/$defs/motion" })),
+        Shape::Steps => one_or_many(&json!({ "$ref": "#/$defs/step" })),
         Shape::Table(inner) if std::ptr::eq(*inner, &raw const SOLID) => json!({ "$ref": "#/$defs/solid" }),
         Shape::Table(inner) => section(inner),
         Shape::List(inner) => json!({ "type": "array", "items": shape_of(inner), "minItems": 1 }),
-        Shape::OneOrMany(inner) => {
-            let one = shape_of(inner);
-            json!({ "anyOf": [one, { "type": "array", "items": one }] })
-        }
+        Shape::OneOrMany(inner) => one_or_many(&shape_of(inner)),
         Shape::Named(inner) => json!({ "type": "object", "additionalProperties": shape_of(inner) }),
         Shape::Either(first, second) => json!({ "anyOf": [shape_of(first), shape_of(second)] }),
     }
+}
+
+fn one_or_many(one: &Value) -> Value {
+    json!({ "anyOf": [one, { "type": "array", "items": one }] })
 }
 
 fn number() -> Value {

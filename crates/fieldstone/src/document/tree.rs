@@ -117,6 +117,11 @@ pub(super) fn parse(text: &str) -> Result<Table, Diagnostic> {
     let parsed = DeTable::parse(text).map_err(|error| {
         let message = error.message().lines().next().unwrap_or("this is no TOML").to_owned();
         let span = error.span().unwrap_or(text.len()..text.len());
+        if message.contains("recursion") {
+            let error =
+                Diagnostic::error(span, "tables and lists stand in each other too deeply", "too deep");
+            return error.with_help("give inner solids a name: [solids.NAME]");
+        }
         Diagnostic::error(span, message, "here").with_help("scene files are written in TOML: https://toml.io")
     })?;
     let span = parsed.span();

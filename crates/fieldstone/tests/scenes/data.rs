@@ -80,6 +80,17 @@ fn sweeps_are_the_least_over_their_curve() {
 }
 
 #[test]
+fn curves_are_formulas_of_u() {
+    let scene = resolve(
+        "[parameters]\nr = 2\n[solids.a]\nsweep = { solid = { formula = \"length(x, y, z) - 0.2\" }, \
+         curve = { x = \"r*cos(u)\", y = \"k = 2; k*sin(u)\", z = 1, from = 0, to = 6.3 } }",
+    );
+    let scene = scene.resolved.scene;
+    assert!((value(&scene, [3.0, 0.0, 1.0]) - 0.8).abs() < 1e-12);
+    assert!((value(&scene, [0.0, 0.0, 1.0]) - 1.8).abs() < 1e-12);
+}
+
+#[test]
 fn projections_are_the_least_over_the_fourth_coordinate() {
     let scene = resolve(
         "[solids.a]\nprojection = { solid = { formula = \"x^2 + y^2 + z^2 + (w - 0.3)^2 - 1\" }, from = 0, to = 1 }",
@@ -98,7 +109,16 @@ fn mistakes_are_told_in_their_place() {
         ("points = { file = \"few.csv\" }", "few.csv:2: a line has six numbers"),
         ("voxels = { file = \"few.csv\" }", "raw numbers need their counts and type"),
         ("spline = { size = [2, 2, 2], controls = [1] }", "control"),
-        ("sweep = { solid = { formula = \"x\" } }", "exactly one of polyline, bezier and helix"),
+        ("sweep = { solid = { formula = \"x\" } }", "exactly one of polyline, bezier, helix and curve"),
+        ("sweep = { solid = { formula = \"x\" }, curve = { x = \"u\", y = \"u\" } }", "`z` is missing"),
+        (
+            "sweep = { solid = { formula = \"x\" }, curve = { x = \"u\", y = \"x\", z = 0 } }",
+            "a curve is a formula of u alone",
+        ),
+        (
+            "sweep = { solid = { formula = \"x\" }, curve = { x = \"u\", y = 0, z = 0, from = 1 } }",
+            "the first must be the smaller",
+        ),
         (
             "sweep = { solid = { formula = \"x\" }, polyline = [[0, 0, 0]] }",
             "a polyline has 2 to 256 points, not 1",

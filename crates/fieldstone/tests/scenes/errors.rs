@@ -2,7 +2,7 @@
 
 use crate::{at, document};
 
-const MISTAKES: [(&str, &str); 40] = [
+const MISTAKES: [(&str, &str); 45] = [
     ("no TOML", "[solids]\nball = x^2"),
     ("unknown table", "[solid]\nball = \"x\""),
     ("unknown key", "[camera]\nfow = 30"),
@@ -41,7 +41,15 @@ const MISTAKES: [(&str, &str); 40] = [
     ("no condition", "[solids.a]\nformula = \"x\"\nwhere = \"y\""),
     ("fault in a condition", "[solids.a]\nformula = \"x\"\nwhere = \"y > 2 + k\""),
     ("no colour", "[solids.a]\nformula = \"x\"\nmaterial = \"m\"\n[materials.m]\ncolour = \"blau\""),
-    ("channel out of range", "[solids.a]\nformula = \"x\"\nmaterial = \"m\"\n[materials.m]\nroughness = 2"),
+    (
+        "channel out of range",
+        "[solids.a]\nformula = \"x\"\nmaterial = \"m\"\n[materials.m]\nmodel = \"ggx\"\nroughness = 2",
+    ),
+    ("channel of another model", "[solids]\na = \"x\"\n[materials.m]\nmodel = \"mirror\"\nroughness = 0.2"),
+    ("key of another model", "[solids]\na = \"x\"\n[materials.m]\nmodel = \"metal\"\nfresnel = true"),
+    ("map of copies", "[[objects]]\nsolid = { formula = \"x\" }\ninstances = [{ bend = { degrees = 9 } }]"),
+    ("map without an axis", "[solids.a]\nformula = \"x\"\ntransform = [{ twist = { degrees = 9 } }]"),
+    ("wall of nothing", "[solids.a]\nformula = \"x\"\nshell = 0"),
     (
         "attributes of a formula",
         "[solids.a]\nformula = \"x\"\nmaterial = \"m\"\n[materials.m]\ncolour = { attributes = 1 }",
@@ -76,7 +84,7 @@ fn what_nothing_uses_is_checked_too() {
     let ball = "[solids]\nball = \"x^2 + y^2 + z^2 - 1\"\n";
     for (rest, message) in [
         ("[materials.m]\ncolour = \"tael\"", "`tael` is not a colour"),
-        ("[materials.m]\nroughness = \"x + qq\"", "unknown name `qq`"),
+        ("[materials.m]\nshininess = \"x + qq\"", "unknown name `qq`"),
         ("[materials.m]\ncolour = { red = \"nx\", green = \"0\", blue = \"0/0\" }", "NaN everywhere"),
         ("[parameters]\na = \"b\"\nb = \"a\"", "depends on itself"),
         ("[parameters]\na = inf", "not a finite number"),
@@ -116,7 +124,7 @@ fn several_mistakes_are_told_at_once() {
 #[test]
 fn scenes_end() {
     let deep = format!("[solids]\na = {}\"x\"{}", "{ complement = ".repeat(500), " }".repeat(500));
-    assert!(at(&deep, 0.0).is_err());
+    assert!(at(&deep, 0.0).unwrap_err().contains("too deep"));
     let chain: String = (0..200).map(|i| format!("[solids.s{i}]\ncomplement = \"s{}\"\n", i + 1)).collect();
     assert!(at(&format!("{chain}[solids]\ns200 = \"x\""), 0.0).unwrap_err().contains("64 deep"));
     let double: String =

@@ -7,6 +7,7 @@ mod errors;
 mod meaning;
 mod schema;
 mod solids;
+mod space;
 
 use fieldstone::{Document, FileAccess, ResolvedDocument, SceneRequest, Source};
 use std::path::Path;

@@ -131,3 +131,30 @@ fn y_is_up_where_all_models_say_so() {
     assert!(resolve(file).resolved.scene.camera().up().y > 0.8);
     assert!(resolve(BALL).resolved.scene.camera().up().z > 0.8);
 }
+
+#[test]
+fn eyes_that_see_little_are_told() {
+    let room = "[environment]\nkind = \"room\"\nbounds = [-9, -9, -9, 9, 9, 9]
+        faces = [\"red\", \"red\", \"red\", \"red\", \"red\", \"red\"]\n";
+    let messages = |eye: &str, more: &str| {
+        let text = format!(
+            "[solids]\nball = \"x^2 + y^2 + z^2 - 4\"\n[camera]\neye = {eye}\ntarget = [0.5, 0, 0]
+            [materials]\nglass = {{ model = \"glass\" }}\n{more}"
+        );
+        resolve(&text).messages
+    };
+    let inside = "warning: ball: the eye is inside of the solid, which is seen from within (choose `eye`)";
+    assert_eq!(messages("[1, 1, 1]", ""), [inside]);
+    assert_eq!(messages("[1, 1, 3]", ""), [""; 0]);
+    let moved = "[[objects]]\nsolid = \"ball\"\ninstances = [{ scale = 0.1 }, { translate = [9, 9, 9] }]\n";
+    assert_eq!(messages("[1, 1, 1]", moved), [""; 0]);
+    assert_eq!(messages("[8, 9, 9]", moved), [inside]);
+    // One may look out of glass.
+    assert_eq!(messages("[1, 1, 1]", "[[objects]]\nsolid = \"ball\"\nmaterial = \"glass\""), [""; 0]);
+    assert_eq!(messages("[1, 1, 8]", room), [""; 0]);
+    let outside = messages("[1, 1, 9.5]", room);
+    assert!(
+        outside.len() == 1 && outside[0].contains("camera: the eye is outside of the room"),
+        "{outside:?}"
+    );
+}

@@ -53,7 +53,7 @@ pub enum PrintError {
     #[error("{0} cannot say it: the model has a loop, and how often it turns depends on the point")]
     Loop(Syntax),
     /// A function that is called as a whole.
-    #[error("{syntax} cannot say it: the model calls {name}, which has no closed form")]
+    #[error("{syntax} cannot say it: the model calls {name}, which has no closed form{}", elsewhere(name))]
     Function {
         /// What the function is called.
         name: &'static str,
@@ -70,6 +70,11 @@ pub enum PrintError {
         /// The language.
         syntax: Syntax,
     },
+}
+
+/// Where a function can be said that has no closed form.
+fn elsewhere(name: &str) -> &'static str {
+    if name.starts_with("hf") { " (HyperFun has it: write a .hf file)" } else { "" }
 }
 
 /// Writes a model in a language.

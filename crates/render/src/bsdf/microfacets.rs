@@ -8,7 +8,7 @@
 use crate::bsdf::ggx::Ggx;
 use crate::bsdf::{Chance, Meeting, Onward, fresnel, mirror_ray, through_ray, tint};
 use fieldstone_scene::{Appearance, Rgb};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, DVec4};
 use std::f64::consts::PI;
 
 /// Below this roughness a surface is smooth: its highlights are narrower than pixels.
@@ -93,15 +93,17 @@ impl Facets {
             metal_scale: DVec3::ONE,
             through_scale: 1.0,
         };
-        // Means over facets: what a dielectric mirrors, what of that gets out, what goes through and gets out.
+        // Means over facets: what a dielectric mirrors, what of that gets out, what goes through and gets out, and what
+        // of all gets out where all is mirrored.
         let means = ggx.mean_over_visible(to_eye, |facet| {
             let mirrored = fresnel::dielectric(to_eye.dot(facet), self.eta);
-            let out = mirrored * ggx.mirrored_share(to_eye, facet);
-            DVec3::new(mirrored, out, (1.0 - mirrored) * self.through_share(&rough, facet))
+            let out = ggx.mirrored_share(to_eye, facet);
+            let through = if clear { (1.0 - mirrored) * self.through_share(&rough, facet) } else { 0.0 };
+            DVec4::new(mirrored, mirrored * out, through, out)
         });
         let mut kept = means.x;
         if compensated {
-            let albedo = ggx.albedo(to_eye).max(1e-3);
+            let albedo = means.w.max(1e-3);
             let lost = (1.0 - albedo) / albedo;
             rough.metal_scale = DVec3::ONE + self.colour * lost;
             rough.dielectric_scale = 1.0 + fresnel::at_normal(self.eta) * lost;
@@ -139,9 +141,13 @@ impl Facets {
             let refracted = (through.max_element() > 0.0).then(|| through_ray(&self.meeting, through));
             return [Some(mirror_ray(&self.meeting, mirrored)), refracted.flatten()];
         };
-        let facet = rough.ggx.visible_normal(rough.to_eye, chance.facet);
+        // What goes through needs all facets.
+        let (facet, part) = match self.through == DVec3::ZERO {
+            true => rough.ggx.mirroring_normal(rough.to_eye, chance.facet),
+            false => (rough.ggx.visible_normal(rough.to_eye, chance.facet), 1.0),
+        };
         let cosine = rough.to_eye.dot(facet);
-        let mirrored = self.mirrored(cosine);
+        let mirrored = self.mirrored(cosine) * part;
         let not_mirrored = 1.0 - fresnel::dielectric(cosine, self.eta);
         let through = self.through * (not_mirrored * rough.through_scale);
         let (a, b) = (mirrored.max_element(), through.max_element());

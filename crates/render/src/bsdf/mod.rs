@@ -12,6 +12,7 @@ pub(crate) mod fresnel;
 pub(crate) mod ggx;
 mod microfacets;
 
+pub(crate) use blinn::Highlight;
 use fieldstone_scene::{Appearance, Rgb, Shading};
 use glam::DVec3;
 
@@ -96,6 +97,14 @@ impl Scatter {
             Self::Blinn(blinn) => blinn.diffuse,
             Self::Facets(facets) => facets.diffuse,
             Self::Unlit(_) => DVec3::ZERO,
+        }
+    }
+
+    /// The highlight in which a surface reflects the light of an environment; rays onward bring what others reflect.
+    pub(crate) fn highlight(&self) -> Option<Highlight> {
+        match self {
+            Self::Blinn(blinn) => blinn.highlight(),
+            Self::Facets(_) | Self::Unlit(_) => None,
         }
     }
 

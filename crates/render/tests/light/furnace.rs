@@ -37,7 +37,8 @@ fn a_glass_ball_cannot_be_seen() {
             let inside = (1.0 - mirrored) * mirrored.powi(bounces as i32 - 1);
             let expected = if pixel.depth.is_finite() { 1.0 - inside } else { 1.0 };
             let error = (colour(&pixel) - DVec3::splat(expected)).abs().max_element();
-            assert!(error < 1e-3 && pixel.alpha == 1.0, "{pixel:?} at {x}, {y} is not {expected}");
+            // Of rays fainter than 1/8192 some are followed for all, by chance.
+            assert!(error < 2e-3 && pixel.alpha == 1.0, "{pixel:?} at {x}, {y} is not {expected}");
             whole += u32::from(expected > 0.9995);
         }
         assert!(whole > 1550 || bounces == 2, "{whole} of 1600");
@@ -78,6 +79,37 @@ fn albedo(alpha: f64, cosine: f64) -> f64 {
         sum += facets / (4.0 * cosine * (1.0 + lambda(z) + lambda(cosine)));
     }
     sum * TAU / f64::from(SIDE * SIDE)
+}
+
+/// What a white surface with a normalised highlight sends back, by quadrature: the highlight takes its share of the light.
+fn highlight_albedo(specular: f64, shininess: f64, cosine: f64) -> f64 {
+    const SIDE: u32 = 600;
+    let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SIDE);
+    let to_eye = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+    let scale = 1.0 / (1.0 + 1.08 * specular);
+    let mut sum = 0.0;
+    for i in 0..SIDE * SIDE {
+        let (z, turn) = (place(i / SIDE), TAU * place(i % SIDE));
+        let radius = (1.0 - z * z).sqrt();
+        let to_light = DVec3::new(radius * turn.cos(), radius * turn.sin(), z);
+        sum += (to_light + to_eye).normalize().z.powf(shininess) * z;
+    }
+    let highlight = (shininess + 8.0) / (8.0 * PI) * sum * TAU / f64::from(SIDE * SIDE);
+    scale * (1.0 + specular * highlight)
+}
+
+#[test]
+fn normalised_highlights_have_their_directional_albedo() {
+    let shading = Shading::BlinnPhong { normalised: true };
+    for (specular, shininess, cosine) in
+        [(1.0, 5.0, 0.8), (3.0, 20.0, 0.5), (1.0, 80.0, 0.9), (0.5, 80.0, 0.3)]
+    {
+        let expected = highlight_albedo(specular, shininess, cosine);
+        let found = floor(Appearance { shading, specular, shininess, ..look() }, cosine);
+        assert!((found - expected).abs() < 5e-3, "{found} is not {expected} at {shininess}, {cosine}");
+        assert!(expected <= 1.0, "no more light than there is: {expected}");
+    }
+    assert!(highlight_albedo(1.0, 9.0, 1.0) > 0.95, "the highlight has its share");
 }
 
 /// A floor, seen at this cosine against its normal.

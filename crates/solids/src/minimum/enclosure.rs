@@ -5,9 +5,13 @@
 //! give. The search at a point of the box stays in V. If V is one stretch, left of some part U of it F falls and right of it F
 //! rises, then the search cannot lose U: of two neighbouring places left of U the right one is lower. So it ends within
 //! two steps of U. It finds F(X, u) for a u near U, and misses the minimum by no more than δ, what F can change in U.
-//! With G, which holds ∂F/∂X over the box and near U, the minimum m is m(P) + G·(X − P) ± δ for all P and X of the box
-//! (the mean-value theorem at the minimisers of both). U shrinks with the box, and so δ shrinks with its square and G to
-//! the gradient. Elsewhere, near places with two minimisers, there are bounds but no slopes.
+//! Elsewhere, near places with two minimisers, there are bounds but no slopes.
+//!
+//! If ∂²F/∂u² > 0 in U, all over the box, there is one minimiser, and the second derivatives of the minimum are those of F along the
+//! arguments, less ∂²F/∂X∂u · ∂²F/∂u∂X / ∂²F/∂u² while it is no end of the range (the implicit function theorem).
+//! Derivatives of derivatives are undefined where the box holds a kink of F.
+//!
+//! What rounding does to F and its derivatives is bounded by programs (`rounding`).
 
 use super::search::STAGES;
 use super::{CELLS, Minimum, Scratch};
@@ -17,6 +21,8 @@ use fieldstone_field::Interval;
 const MOST_CELLS: usize = 20;
 /// A box where the minimum is positive and known to be above this part of its bound is far outside.
 const FAR: f64 = 0.25;
+/// What gradients may be wrong by, relative to their largest component, as [`Function`](fieldstone_field::Function) has it.
+const GRADIENT_ERROR: f64 = 1e-10;
 /// How often cells are cut at most.
 const ROUNDS: usize = 8;
 
@@ -130,28 +136,18 @@ impl Minimum {
             (0..CELLS).map(|i| Segment::new(end(i), end(i + 1), f64::NEG_INFINITY)).collect();
         // Places where searches look, to the bit: what is above the values there is above the minimum.
         let places: Vec<f64> = self.middles().collect();
-        self.bound_at(scratch, boxes, (&mut cells, &places, 0.0));
+        let noise = self.noise(scratch, boxes);
+        self.bound_at(scratch, boxes, (&mut cells, &places, noise));
         let ceiling = cells.iter().fold(f64::INFINITY, |least, cell| least.min(cell.ceiling));
-        let noise = self.noise(scratch, boxes, &cells);
-        cells.iter_mut().for_each(|cell| cell.floor -= noise);
         Stretch { cells, ceiling, noise, is_single: false }
     }
 
-    /// What rounding may do to values of F near the lowest middle.
-    fn noise(&self, scratch: &mut Scratch, boxes: &[Interval<f64>], cells: &[Segment]) -> f64 {
-        let lowest = cells.iter().min_by(|a, b| a.ceiling.total_cmp(&b.ceiling));
-        let Some(place) = lowest.map(Segment::middle) else { return f64::INFINITY };
-        let point: Vec<Interval<f64>> = boxes
-            .iter()
-            .map(|b| {
-                let middle = (0.5 * b.lo + 0.5 * b.hi).clamp(b.lo, b.hi);
-                Interval::new(middle, middle)
-            })
-            .collect();
-        let at = [Interval::new(place, place)];
-        self.run(scratch, &self.tape, (&point, &at));
-        let width = scratch.boxes.output(0, 1)[0] - scratch.boxes.output(0, 0)[0];
-        4.0 * width + 1e-15
+    /// By how much computed values of F may be wrong, and differ from one another by rounding; infinite where that is not known.
+    fn noise(&self, scratch: &mut Scratch, boxes: &[Interval<f64>]) -> f64 {
+        let whole = Interval::new(self.range[0], self.range[1]);
+        self.run(scratch, &self.errors, (boxes, &[whole]));
+        let error = scratch.boxes.output(0, 1)[0];
+        if error.is_nan() { f64::INFINITY } else { 2.0 * error }
     }
 
     /// Evaluates a tape over the box and ranges of u.
@@ -229,19 +225,44 @@ impl Minimum {
         if high < enclosure.range.hi {
             enclosure.range.hi = high.max(enclosure.range.lo);
         }
-        let (mut bend, mut squares) = (0.0f64, 0.0);
-        for (k, side) in boxes.iter().enumerate() {
-            let radius = 0.5 * side.width();
-            if radius > 0.0 {
-                let width = output(2 + k).width();
-                bend = if width.is_nan() { f64::INFINITY } else { bend.max(width / radius) };
-                squares += radius * radius;
+        let slopes: Vec<Interval<f64>> = (0..boxes.len()).map(|k| output(2 + k)).collect();
+        enclosure.curvature = self.curved(scratch, (boxes, near), &slopes);
+    }
+
+    /// A bound of the second derivatives of the minimum, if F curves upward along u.
+    fn curved(
+        &self,
+        scratch: &mut Scratch,
+        (boxes, near): (&[Interval<f64>], Interval<f64>),
+        slopes: &[Interval<f64>],
+    ) -> f64 {
+        let Some(bends) = &self.bends else { return f64::INFINITY };
+        self.run(scratch, bends, (boxes, &[near]));
+        let output = |o: usize| Interval::new(scratch.boxes.output(o, 0)[0], scratch.boxes.output(o, 1)[0]);
+        let (along, count) = (output(0), boxes.len());
+        if !(along.lo > 0.0 && along.hi.is_finite()) {
+            return f64::INFINITY;
+        }
+        let mixed: Vec<f64> = (0..count).map(|k| steepest(output(1 + k))).collect();
+        let (mut squares, mut at) = (0.0, 1 + count);
+        for k in 0..count {
+            for j in k..count {
+                let size = steepest(output(at));
+                squares += if j == k { size * size } else { 2.0 * size * size };
+                at += 1;
             }
         }
-        // The expansion leaves the tangent by half of this times the square of the distance from any point of the box,
-        // whose sides are as far as their radius or farther.
-        let curvature = 2.0 * bend + 2.0 * lost / squares;
-        enclosure.curvature = if curvature.is_nan() { f64::INFINITY } else { curvature * (1.0 + 1e-9) };
+        let moved: f64 = mixed.iter().map(|m| m * m).sum::<f64>() / along.lo;
+        // What rounding leaves of the derivative along u moves the minimiser, and so the gradient.
+        self.run(scratch, &self.errors, (boxes, &[near]));
+        let error = |o: usize| scratch.boxes.output(o, 1)[0];
+        let drift = 2.0 * error(1) / along.lo;
+        let wrong = (0..count).map(|k| mixed[k] * drift + error(2 + k)).fold(0.0, f64::max);
+        let least = |s: &Interval<f64>| if s.lo > 0.0 { s.lo } else { (-s.hi).max(0.0) };
+        let steep = slopes.iter().map(least).fold(0.0, f64::max);
+        let curvature = (squares.sqrt() + moved) * (1.0 + 1e-9);
+        // Comparisons with what is not known are false.
+        if wrong <= GRADIENT_ERROR * steep && curvature.is_finite() { curvature } else { f64::INFINITY }
     }
 }
 

@@ -73,4 +73,27 @@ impl Minimum {
         }
         (least <= most).then_some(most - least)
     }
+
+    /// The minimiser near a place that was found, by Newton's method; the place itself where F does not curve upward.
+    pub(super) fn refined(&self, scratch: &mut Scratch, arguments: &[f64], place: f64) -> f64 {
+        let values = &mut scratch.values;
+        let near = self.spacing(STAGES[0] / 2);
+        let mut next = place;
+        for _ in 0..4 {
+            for (k, &argument) in arguments.iter().chain([&next]).enumerate() {
+                values.input(k, 0)[0] = argument;
+            }
+            values.run(&self.newton, 1);
+            let (slope, bend) = (values.output(1, 0)[0], values.output(2, 0)[0]);
+            let moved = (next - slope / bend).clamp(self.range[0], self.range[1]);
+            // NaN fails both.
+            let is_near = (moved - place).abs() <= near;
+            let is_upward = bend > 0.0;
+            if !is_upward || !is_near {
+                return place;
+            }
+            next = moved;
+        }
+        next
+    }
 }

@@ -4,7 +4,7 @@
 //! R-functions. So the set operations at the top of a program are taken apart: each *piece* below them is bounded by a
 //! plane of its own where the field itself has an edge.
 
-use super::gradient::Gradients;
+use crate::gradient::Gradients;
 use fieldstone_field::{Binary, Bindings, Field, Graph, Node, NodeId, Reading, Tape, TapeOptions, Unary};
 use std::collections::{HashMap, HashSet, VecDeque};
 
@@ -13,7 +13,7 @@ const MOST_PIECES: usize = 24;
 
 /// A set made of pieces.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Part {
+pub(crate) enum Part {
     /// Where a piece is negative.
     Piece(usize),
     /// The union of two earlier parts.
@@ -24,24 +24,24 @@ pub(super) enum Part {
 
 /// A field taken apart, ready to be evaluated over boxes.
 #[derive(Debug)]
-pub(super) struct Pieces {
+pub(crate) struct Pieces {
     /// The set operations; operands stand before what they make, the whole last.
-    pub(super) parts: Vec<Part>,
+    pub(crate) parts: Vec<Part>,
     /// How many pieces there are.
-    pub(super) count: usize,
+    pub(crate) count: usize,
     /// The piece that is positive where the field is certainly undefined, if that is known of any place.
-    pub(super) domain: Option<usize>,
+    pub(crate) domain: Option<usize>,
     /// Outputs: the value of each piece.
-    pub(super) values: Tape,
+    pub(crate) values: Tape,
     /// Outputs: the derivatives of each piece along x, y and z.
-    pub(super) gradients: Tape,
+    pub(crate) gradients: Tape,
 }
 
 /// A node, or its negative.
 type Signed = (NodeId, bool);
 
 impl Pieces {
-    pub(super) fn new(field: &Field, bindings: &Bindings) -> Self {
+    pub(crate) fn new(field: &Field, bindings: &Bindings) -> Self {
         let (mut graph, value, outside) = with_domain(field);
         let root = without_signs(&graph, (value, false));
         let inner = set_operations(&graph, root);

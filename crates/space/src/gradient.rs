@@ -9,21 +9,64 @@
 //! Steps and conditions jump, and the mean-value theorem fails there. So each gets a *jump* as its derivative: a
 //! program that is 0 up to rounding where the operation is decided, and all reals where it is open.
 
-use fieldstone_field::{Binary, Graph, Input, Node, NodeId, Unary};
+use fieldstone_field::{Binary, Function, Graph, Input, Interval, Node, NodeId, Unary};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The derivatives of a node along x, y and z; `None` where it does not depend on the axis.
 type Slopes = [Option<NodeId>; 3];
 
+/// The derivative of a function along one of its arguments. Over boxes it is bounded by the curvature: the gradient turns
+/// by at most as much as the largest second derivative times the way.
+struct SlopeOf {
+    function: Arc<dyn Function>,
+    argument: usize,
+}
+
+/// The error that [`Function::curvature`] allows gradients, relative to the largest component.
+const GRADIENT_ERROR: f64 = 1e-10;
+
+impl Function for SlopeOf {
+    fn name(&self) -> &str {
+        "slope"
+    }
+
+    fn value(&self, arguments: &[f64]) -> f64 {
+        let mut gradient = vec![0.0; arguments.len()];
+        self.function.gradient(arguments, &mut gradient);
+        gradient[self.argument]
+    }
+
+    fn interval(&self, arguments: &[Interval<f64>]) -> Interval<f64> {
+        let curvature = self.function.curvature(arguments);
+        if !curvature.is_finite() {
+            return Interval::undefined();
+        }
+        let centre: Vec<f64> = arguments.iter().map(|a| 0.5 * a.lo + 0.5 * a.hi).collect();
+        let mut gradient = vec![0.0; arguments.len()];
+        self.function.gradient(&centre, &mut gradient);
+        let way = arguments.iter().zip(&centre).map(|(a, c)| (a.hi - c).max(c - a.lo).powi(2)).sum::<f64>();
+        let steepest = gradient.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+        let reach = (curvature * way.sqrt() + GRADIENT_ERROR * steepest) * (1.0 + 1e-12);
+        let slope = gradient[self.argument];
+        let (lo, hi) = (slope - reach, slope + reach);
+        if lo.is_finite() && hi.is_finite() { Interval { lo, hi } } else { Interval::undefined() }
+    }
+
+    fn is_black_box(&self) -> bool {
+        false
+    }
+}
+
 /// Makes derivatives of nodes of one graph; what nodes share is made once.
 #[derive(Debug, Default)]
-pub(super) struct Gradients {
+pub(crate) struct Gradients {
     known: HashMap<NodeId, Slopes>,
 }
 
 impl Gradients {
     /// The partial derivatives of `node` along the first three coordinates.
-    pub(super) fn of(&mut self, graph: &mut Graph, node: NodeId) -> [NodeId; 3] {
+    pub(crate) fn of(&mut self, graph: &mut Graph, node: NodeId) -> [NodeId; 3] {
         let mut stack = vec![node];
         while let Some(&n) = stack.last() {
             if self.known.contains_key(&n) {
@@ -69,12 +112,11 @@ impl Gradients {
                 let jumps = self.slopes(c).map(|slope| slope.map(|_| jump));
                 plus(graph, branches, jumps)
             }
-            // Nothing is known of the slopes of functions and of what loops carry.
-            Node::Call(_, arguments) => {
-                let unknown = graph.constant(f64::NAN);
-                let varies = |axis: usize| arguments.iter().any(|&a| self.slopes(a)[axis].is_some());
-                [0, 1, 2].map(|axis| varies(axis).then_some(unknown))
+            Node::Call(function, arguments) => {
+                let function = graph.function(function).clone();
+                self.called(graph, &function, &arguments)
             }
+            // Nothing is known of the slopes of what loops carry.
             Node::LoopVar(..) | Node::LoopOut(..) => [Some(graph.constant(f64::NAN)); 3],
         }
     }
@@ -161,6 +203,22 @@ impl Gradients {
                 [0, 1, 2].map(|axis| by_a[axis].or(by_b[axis]).map(|_| jump))
             }
         }
+    }
+
+    /// The slopes of a function that is known as a whole, by those of its arguments.
+    fn called(&self, graph: &mut Graph, function: &Arc<dyn Function>, arguments: &[NodeId]) -> Slopes {
+        let mut sum = [None; 3];
+        for (argument, &node) in arguments.iter().enumerate() {
+            let slopes = self.slopes(node);
+            if slopes == [None; 3] {
+                continue;
+            }
+            let slope: Arc<dyn Function> = Arc::new(SlopeOf { function: function.clone(), argument });
+            let by = graph.call(&slope, arguments);
+            let term = scaled(graph, by, slopes);
+            sum = plus(graph, sum, term);
+        }
+        sum
     }
 
     /// 1 ∓ a/√(a² + b²) along a, and the same along b.
@@ -281,7 +339,7 @@ fn chosen(graph: &mut Graph, condition: NodeId, a: Slopes, b: Slopes) -> Slopes 
 
 #[cfg(test)]
 mod tests {
-    use super::super::pieces::Pieces;
+    use crate::measure::pieces::Pieces;
     use fieldstone_field::{Bindings, F64, Interval, Intervals, Workspace};
     use fieldstone_lang::{Source, parse_formula};
 
