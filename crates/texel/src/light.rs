@@ -18,6 +18,9 @@ const FAINTEST: f64 = 1.0 / 4096.0;
 /// too bright; pieces of half a cell would bring that to 0.2 %, at twice the cost.
 const CELLS: f64 = 4.0;
 
+/// How far from its ends, in parts of its length, the depths of a piece are found: within its own cell.
+const INSET: f64 = 1e-7;
+
 /// A lamp, in units of the volume's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lamp {
@@ -137,12 +140,15 @@ impl Volume {
             let (to_lamp, end, _) = lamp.seen_from(ray.at(t));
             self.depth_along(&to_lamp, (0.0, end), |_| piece.level)
         };
-        // Most pieces begin where the one before ended.
-        let near = if known.0 == piece.from { known.1 } else { depth_at(piece.from) };
-        let far = depth_at(piece.to);
-        *known = (piece.to, far);
         let (to_lamp, _, irradiance) = lamp.seen_from(ray.at(0.5 * (piece.from + piece.to)));
         let Some(light) = to_lamp.direction.try_normalize() else { return DVec3::ZERO };
+        // Most pieces begin where the one before ended. Where the light runs along the faces of cells, the two sides of a
+        // face are different columns.
+        let is_shared = known.0 == piece.from && light.abs().min_element() > 1e-6;
+        let inset = INSET * (piece.to - piece.from);
+        let near = if is_shared { known.1 } else { depth_at(piece.from + inset) };
+        let far = depth_at(piece.to - inset);
+        *known = (piece.to, far);
         let reflected: DVec3 = reflectors.iter().map(|(albedo, r)| *albedo * r.phase(light)).sum();
         irradiance * reflected * lit_share(piece.depth(), [near, far])
     }

@@ -165,3 +165,27 @@ fn an_opaque_cell_throws_a_shadow() {
     assert!(dark.radiance.x < 1e-6 && bright.radiance.x > 0.03, "{dark:?} {bright:?}");
     assert_eq!((dark.transmittance, bright.transmittance), (0.0, 0.0));
 }
+
+/// The light runs along the faces of cells, and a ray leaves through a face: both ends of its last piece are in shadow.
+#[test]
+fn light_along_the_faces_of_cells_stays_in_its_column() {
+    let mut builder = Builder::new(EDGE).unwrap();
+    let even = Texel::even(2.0, Sggx::ISOTROPIC, 1.0 / f64::from(EDGE));
+    for cell in cells(EDGE) {
+        builder.insert(cell, &even);
+    }
+    let volume = builder.build(Mode::Sggx).unwrap();
+    let lamp = Lamp::Directional { to_lamp: DVec3::Z, irradiance: DVec3::ONE };
+    let texel = volume.texel(0, [0; 3]).unwrap();
+    for tilt in [0.0, 0.01, -0.013] {
+        let direction = DVec3::new(1.0, tilt, -0.3).normalize();
+        let ray = Ray { origin: DVec3::new(-0.1, 0.5, 0.6), direction };
+        let found = gather(&volume, &ray, 0.0, &[lamp]).radiance.x;
+        let (near, far) = ray.span().unwrap();
+        let out = texel.extinction(DVec3::Z, volume.cell_width(0));
+        let rise = out * (1.0 - direction.z);
+        let phase = Reflector::new(&texel, Model::Microflakes, -direction).phase(DVec3::Z);
+        let lit = (-out * (1.0 - ray.at(near).z)).exp() * out / rise * (1.0 - (-rise * (far - near)).exp());
+        assert!((found - phase * lit).abs() < 1e-6, "{tilt}: {found} {}", phase * lit);
+    }
+}
