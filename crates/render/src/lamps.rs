@@ -226,7 +226,7 @@ impl<'s, 'p> Lamps<'s, 'p> {
             true => self.prepared.volumes.depth(lit.at(t), to_light, distance),
             false => 0.0,
         };
-        let ends = [lit.piece.from, lit.piece.to].map(depth);
+        let ends = lit.piece.ends().map(depth);
         lit.weight * lit.flakes.respond(to_light) * lit_share(lit.piece.depth, ends)
     }
 

@@ -20,6 +20,9 @@ const CELLS: f64 = 4.0;
 /// The most pieces of one segment.
 const MOST_PIECES: f64 = 1024.0;
 
+/// How far from the ends of a piece, in parts of its length, is within its cell.
+const INSET: f64 = 1e-6;
+
 /// The volumes of a scene.
 pub(crate) struct Volumes<'s> {
     boxes: &'s [TexelBox],
@@ -114,6 +117,12 @@ pub(crate) struct Flakes {
 }
 
 impl Piece<'_> {
+    /// Its ends, as far inside as it takes to be in its own cell: light may run along the faces of cells.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        let inset = INSET * (self.to - self.from);
+        [self.from + inset, self.to - inset]
+    }
+
     /// Its flakes, seen against the unit `direction` of the ray.
     pub(crate) fn flakes(&self, direction: DVec3) -> Flakes {
         let ray = self.texels.volume_from_world().transform_vector3(direction);
