@@ -5,10 +5,11 @@
 //! when it is asked for: optical depths are added up at once, from both ends of a piece in between which they rise evenly. So
 //! volumes throw shadows on solids, solids on volumes, and mirrors and glass show both.
 //!
-//! The level that is looked at follows from the distance to the eye, also in mirrors.
+//! The level that is looked at follows from the distance to the eye, also in mirrors; two levels are blended, but one is
+//! looked at alone in volumes that were filtered by the rules of 1995.
 
 use fieldstone_scene::{Rgb, Scene, TexelBox};
-use fieldstone_texel::{Footprint, Ray, Reflector, Segment, Texel};
+use fieldstone_texel::{Footprint, Layer, Mode, Ray, Reflector, Segment, Texel};
 use glam::DVec3;
 
 /// Where less than this of the light passes, nothing behind is looked at.
@@ -107,7 +108,12 @@ impl<'s> Volumes<'s> {
     fn level(&self, texels: &TexelBox, place: DVec3) -> f32 {
         let distance = place.distance(self.eye);
         let width = (self.pixel.width + self.pixel.spread * distance) * texels.scale();
-        Footprint { width, spread: 0.0 }.level(texels.volume(), 0.0)
+        let level = Footprint { width, spread: 0.0 }.level(texels.volume(), 0.0);
+        match texels.volume().mode() {
+            Mode::Sggx => level,
+            // One level alone.
+            Mode::Neyret1995 => level.round(),
+        }
     }
 }
 
@@ -128,7 +134,7 @@ impl Piece<'_> {
         let ray = self.texels.volume_from_world().transform_vector3(direction);
         let whole: f64 = self.segment.layers().iter().map(|layer| layer.extinction(ray)).sum();
         let turn = self.texels.turn();
-        let layer = |layer: &fieldstone_texel::Layer| {
+        let layer = |layer: &Layer| {
             let weight = layer.extinction(ray) / whole.max(f64::MIN_POSITIVE);
             let texel = Texel { flakes: layer.texel.flakes.mapped(turn), ..layer.texel };
             let albedo = DVec3::from_array(texel.albedo.map(f64::from));

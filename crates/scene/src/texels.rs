@@ -1,6 +1,6 @@
 //! Volumes of texels in the scene.
 
-use fieldstone_texel::{Model, Volume};
+use fieldstone_texel::{Mode, Model, Volume};
 use glam::{DAffine3, DMat3};
 use std::sync::Arc;
 
@@ -15,11 +15,16 @@ pub struct TexelBox {
 }
 
 impl TexelBox {
-    /// A volume moved from the unit cube; `None` if the matrix is not finite or cannot be inverted. Its flakes are mirrors and matt.
+    /// A volume moved from the unit cube; `None` if the matrix is not finite or cannot be inverted. Its flakes are mirrors
+    /// and matt, or reflect by Phong's model if it was filtered by the rules of 1995.
     pub fn new(volume: Arc<Volume>, world_from_volume: DAffine3) -> Option<Self> {
         let volume_from_world = world_from_volume.inverse();
         let sound = world_from_volume.is_finite() && volume_from_world.is_finite();
-        sound.then_some(Self { volume, world_from_volume, volume_from_world, model: Model::default() })
+        let model = match volume.mode() {
+            Mode::Sggx => Model::Microflakes,
+            Mode::Neyret1995 => Model::Phong(volume.phong()),
+        };
+        sound.then_some(Self { volume, world_from_volume, volume_from_world, model })
     }
 
     /// The same with flakes that reflect by another model.
@@ -62,19 +67,27 @@ impl TexelBox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fieldstone_texel::{Builder, Mode};
+    use fieldstone_texel::Builder;
     use glam::DVec3;
 
-    fn empty() -> Arc<Volume> {
-        Arc::new(Builder::new(2).unwrap().build(Mode::Sggx).unwrap())
+    fn empty(mode: Mode) -> Arc<Volume> {
+        Arc::new(Builder::new(2).unwrap().build(mode).unwrap())
     }
 
     #[test]
     fn a_box_can_be_moved_back() {
         let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
-        assert!(TexelBox::new(empty(), flat).is_none());
-        let large = TexelBox::new(empty(), DAffine3::from_scale(DVec3::new(2.0, 8.0, 4.0))).unwrap();
+        assert!(TexelBox::new(empty(Mode::Sggx), flat).is_none());
+        let large =
+            TexelBox::new(empty(Mode::Sggx), DAffine3::from_scale(DVec3::new(2.0, 8.0, 4.0))).unwrap();
         assert!((large.scale() - 0.25).abs() < 1e-15);
         assert!((large.turn().determinant() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn flakes_of_1995_reflect_by_phong() {
+        let model = |mode| TexelBox::new(empty(mode), DAffine3::IDENTITY).map(|texels| texels.model());
+        assert_eq!(model(Mode::Sggx), Some(Model::Microflakes));
+        assert!(matches!(model(Mode::Neyret1995), Some(Model::Phong(_))));
     }
 }
