@@ -79,6 +79,7 @@ mod plot;
 mod presentation;
 mod request;
 mod slice;
+mod texel;
 
 pub use convert::{ConvertError, convert};
 pub use data::{
@@ -102,6 +103,7 @@ pub use plot::{
 };
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
+pub use texel::{Cut, CutContent, CutPicture, MAX_CUT_PIXELS, Recipe, TexelError, load_volume, write_volume};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
 pub use fieldstone_lang::{
@@ -126,5 +128,6 @@ pub use fieldstone_solids::{Interpolation, PointCloud, PointError, Reconstructio
 pub use fieldstone_space::{
     DEFAULT_BOUNDS, Enclosure, Extent, FoundBounds, MeasureOptions, Measures, solid_bounds,
 };
+pub use fieldstone_texel::{Fidelity, FileError, Mode, Phong, Sggx, Size, Texel, Volume};
 pub use fieldstone_trace::Certificate;
 pub use glam;

@@ -38,7 +38,7 @@ impl Numbers<'_> {
 }
 
 /// The colour of a name of CSS, or of `#rrggbb`.
-fn named(text: &str) -> Option<Rgb> {
+pub(crate) fn named(text: &str) -> Option<Rgb> {
     // A long text is no name, and need not be looked at.
     let colour = svgtypes::Color::from_str(text).ok().filter(|_| text.len() < 64)?;
     Some(DVec3::from([colour.red, colour.green, colour.blue].map(|c| srgb_to_linear(f64::from(c) / 255.0))))

@@ -33,6 +33,7 @@ pub use schema::scene_schema;
 use crate::eye;
 use crate::load::{LoadError, read_text};
 use crate::request::{Resolved, Warning};
+pub(crate) use colour::named as named_colour;
 use fault::{Fault, Outcome};
 use fieldstone_lang::{Diagnostic, Diagnostics, Source};
 use fieldstone_scene::{Method, Scene, View};

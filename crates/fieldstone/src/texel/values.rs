@@ -1,0 +1,113 @@
+//! Values of recipes that know their ranges.
+
+use crate::document::named_colour;
+use fieldstone_scene::srgb_to_linear;
+use glam::DVec3;
+use serde::Deserialize;
+use serde::de::{self, Deserializer, SeqAccess, Visitor};
+use std::fmt;
+
+macro_rules! ranged {
+    ($($(#[$about:meta])* $name:ident($from:ty as $inner:ty) if $rule:expr, $words:literal;)*) => {
+        $($(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+        #[serde(try_from = "f64")]
+        pub(super) struct $name(pub(super) $inner);
+
+        impl TryFrom<$from> for $name {
+            type Error = String;
+
+            fn try_from(value: $from) -> Result<Self, String> {
+                let fits: fn($from) -> bool = $rule;
+                if fits(value) { Ok(Self(value as $inner)) } else { Err(format!(concat!("expected ", $words, ", not {}"), value)) }
+            }
+        })*
+    };
+}
+
+/// The longest length: a hundred times the volume.
+const LONGEST: f64 = 100.0;
+
+ranged! {
+    /// A length.
+    Length(f64 as f64) if |x| x > 0.0 && x <= LONGEST, "a length above 0, at most 100 edges of the volume";
+    /// A length that may be 0.
+    Size(f64 as f64) if |x| (0.0..=LONGEST).contains(&x), "a length from 0 to 100 edges of the volume";
+    /// A place, or a number of any sign.
+    Place(f64 as f64) if |x| x.abs() <= LONGEST, "a number from -100 to 100";
+    /// A share.
+    Share(f64 as f64) if |x| (0.0..=1.0).contains(&x), "a number from 0 to 1";
+    /// An angle in degrees.
+    Degrees(f64 as f64) if |x| x.abs() <= 3600.0, "an angle from -3600 to 3600 degrees";
+    /// The angle by which a blade is folded, in degrees.
+    Fold(f64 as f64) if |x| (0.0..90.0).contains(&x), "an angle from 0 to 90 degrees, 90 left out";
+    /// A spread.
+    Spread(f64 as f64) if |x| (0.0..=10.0).contains(&x), "a number from 0 to 10";
+    /// An extinction per edge.
+    Extinction(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an extinction above 0, at most 1000000";
+    /// Phong's exponent.
+    Exponent(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an exponent above 0, at most 1000000";
+    /// How many copies.
+    Count(f64 as u32) if |x| x >= 1.0 && x <= 1e6 && x.fract() == 0.0, "a whole number from 1 to 1000000";
+    /// What chance starts from.
+    Seed(f64 as u64) if |x| (0.0..=9e15).contains(&x) && x.fract() == 0.0, "a whole number from 0 on";
+    /// Cells along an edge.
+    Edge(f64 as u32) if |x| (1.0..=1024.0).contains(&x) && (x as u32).is_power_of_two() && x.fract() == 0.0, "a power of two from 1 to 1024";
+}
+
+/// Three places as a vector.
+pub(super) fn vector(places: [Place; 3]) -> DVec3 {
+    DVec3::from_array(places.map(|place| place.0))
+}
+
+/// A direction: three numbers that are not all 0.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "[f64; 3]")]
+pub(super) struct Direction(pub(super) DVec3);
+
+impl TryFrom<[f64; 3]> for Direction {
+    type Error = String;
+
+    fn try_from(numbers: [f64; 3]) -> Result<Self, String> {
+        let unit = DVec3::from_array(numbers).try_normalize();
+        unit.map(Self).ok_or_else(|| "a direction is finite and not 0, 0, 0".to_owned())
+    }
+}
+
+/// A colour, linear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Colour(pub(super) [f32; 3]);
+
+impl<'de> Deserialize<'de> for Colour {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_any(ColourVisitor)
+    }
+}
+
+struct ColourVisitor;
+
+impl<'de> Visitor<'de> for ColourVisitor {
+    type Value = Colour;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a colour: \"#ff8000\", a name of CSS such as \"teal\", or [1, 0.5, 0]")
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Colour, E> {
+        let colour = named_colour(text).ok_or_else(|| E::invalid_value(de::Unexpected::Str(text), &self))?;
+        Ok(Colour(colour.as_vec3().to_array()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Colour, A::Error> {
+        let mut colour = [0.0; 3];
+        for (index, channel) in colour.iter_mut().enumerate() {
+            let share: Share =
+                list.next_element()?.ok_or_else(|| de::Error::invalid_length(index, &"three numbers"))?;
+            *channel = srgb_to_linear(share.0) as f32;
+        }
+        match list.next_element::<de::IgnoredAny>()? {
+            None => Ok(Colour(colour)),
+            Some(_) => Err(de::Error::custom("a colour has three numbers from 0 to 1")),
+        }
+    }
+}
