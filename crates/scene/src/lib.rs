@@ -8,6 +8,7 @@
 //! - the numbers of a [`Material`] are in their ranges;
 //! - the [`Camera`]'s axes are orthonormal, its field of view lies between 0 and π, its height is positive;
 //! - directions to [`Light`]s are unit vectors, colours are finite and not negative;
+//! - a [`TexelBox`] can be moved back;
 //! - the image has at least one pixel and at most [`MAX_PIXELS`], and at least one sample a pixel;
 //! - steps and tolerances are positive and at most [`MAX_LENGTH`], and steps at least [`MIN_STEP`].
 //!
@@ -25,6 +26,7 @@ mod light;
 mod material;
 mod scene;
 mod solid;
+mod texels;
 mod text;
 mod tone;
 
@@ -41,4 +43,5 @@ pub use scene::{
     MAX_BOUNCES, MAX_LENGTH, MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings,
 };
 pub use solid::{Blended, Condition, Instance, NORMAL_INPUTS, Part, Solid, Tree};
+pub use texels::TexelBox;
 pub use tone::{ExposureError, Tone, ToneCurve};

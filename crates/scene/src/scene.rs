@@ -4,6 +4,7 @@ use crate::bounds::Bounds;
 use crate::camera::Camera;
 use crate::light::Lighting;
 use crate::solid::{Instance, Solid};
+use crate::texels::TexelBox;
 use crate::text::Number;
 use crate::tone::Tone;
 use glam::DVec3;
@@ -199,6 +200,7 @@ impl Settings {
 pub struct Scene {
     solids: Vec<Solid>,
     instances: Vec<Instance>,
+    texels: Vec<TexelBox>,
     camera: Camera,
     lighting: Lighting,
     settings: Settings,
@@ -237,7 +239,12 @@ impl Scene {
             return Err(SceneError::Instance(i, "is of a solid that is not there"));
         }
         settings.check()?;
-        Ok(Self { solids, instances, camera, lighting, settings })
+        Ok(Self { solids, instances, texels: Vec::new(), camera, lighting, settings })
+    }
+
+    /// The same with volumes of texels in it.
+    pub fn with_texels(self, texels: Vec<TexelBox>) -> Self {
+        Self { texels, ..self }
     }
 
     /// The solids, at least one.
@@ -248,6 +255,11 @@ impl Scene {
     /// Where the solids stand, at least one.
     pub fn instances(&self) -> &[Instance] {
         &self.instances
+    }
+
+    /// The volumes of texels.
+    pub fn texels(&self) -> &[TexelBox] {
+        &self.texels
     }
 
     /// The camera.

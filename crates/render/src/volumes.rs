@@ -1,0 +1,162 @@
+//! Light in the volumes of texels of a scene.
+//!
+//! A ray is cut into pieces in filled cells before its nearest surface. Each piece asks for light as a surface does: a
+//! wish towards each lamp, whose shadow ray looks for solids from the middle of the piece. What volumes leave of the light is known
+//! when it is asked for: optical depths are added up at once, from both ends of a piece in between which they rise evenly. So
+//! volumes throw shadows on solids, solids on volumes, and mirrors and glass show both.
+//!
+//! The level that is looked at follows from the distance to the eye, also in mirrors; two levels are blended, but one is
+//! looked at alone in volumes that were filtered by the rules of 1995.
+
+use fieldstone_scene::{Rgb, Scene, TexelBox};
+use fieldstone_texel::{Footprint, Layer, Mode, Ray, Reflector, Segment, Texel};
+use glam::DVec3;
+
+/// Where less than this of the light passes, nothing behind is looked at.
+const FAINTEST: f64 = 1.0 / 4096.0;
+
+/// Pieces are no longer than this many cells of the level looked at.
+const CELLS: f64 = 4.0;
+
+/// The most pieces of one segment.
+const MOST_PIECES: f64 = 1024.0;
+
+/// How far from the ends of a piece, in parts of its length, is within its cell.
+const INSET: f64 = 1e-6;
+
+/// The volumes of a scene.
+pub(crate) struct Volumes<'s> {
+    boxes: &'s [TexelBox],
+    eye: DVec3,
+    /// The width of a pixel at the eye, and its growth by the distance.
+    pixel: Footprint,
+}
+
+/// A piece of a ray in a filled cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Piece<'s> {
+    texels: &'s TexelBox,
+    segment: Segment,
+    /// Where it begins and ends along the ray.
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// The optical depth from end to end.
+    pub(crate) depth: f64,
+}
+
+impl<'s> Volumes<'s> {
+    pub(crate) fn new(scene: &'s Scene) -> Self {
+        let (width, height) = scene.settings().size;
+        let (x, y) = (0.5 * f64::from(width), 0.5 * f64::from(height));
+        let (near, beside) = (scene.ray(x, y), scene.ray(x + 1.0, y));
+        let pixel = Footprint { width: near.0.distance(beside.0), spread: near.1.distance(beside.1) };
+        Self { boxes: scene.texels(), eye: near.0, pixel }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.boxes.is_empty()
+    }
+
+    /// The pieces of a ray before a distance, front to back, until nothing more is seen.
+    pub(crate) fn pieces(&self, (origin, direction): (DVec3, DVec3), furthest: f64) -> Vec<Piece<'s>> {
+        let mut pieces = Vec::new();
+        for texels in self.boxes {
+            let ray = in_volume(texels, origin, direction);
+            let Some((near, far)) = ray.span() else { continue };
+            let level = |t: f64| self.level(texels, origin + t * direction);
+            let mut depth = 0.0;
+            for segment in texels.volume().segments(&ray, (near.max(0.0), far.min(furthest)), level) {
+                let length = (segment.to - segment.from) * ray.direction.length();
+                let cell = texels.volume().cell_width(level(segment.from) as u32);
+                let count = (length / (CELLS * cell)).ceil().clamp(1.0, MOST_PIECES);
+                let step = (segment.to - segment.from) / count;
+                let each = segment.depth(&ray) / count;
+                let piece = |i: u32| {
+                    let from = segment.from + f64::from(i) * step;
+                    Piece { texels, segment, from, to: from + step, depth: each }
+                };
+                pieces.extend((0..count as u32).map(piece));
+                depth += segment.depth(&ray);
+                if depth > -FAINTEST.ln() {
+                    break;
+                }
+            }
+        }
+        if self.boxes.len() > 1 {
+            pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
+        }
+        pieces
+    }
+
+    /// The optical depth of all volumes from a place in a unit direction over a distance.
+    pub(crate) fn depth(&self, place: DVec3, direction: DVec3, distance: f64) -> f64 {
+        let along = |texels: &TexelBox| {
+            let ray = in_volume(texels, place, direction);
+            let level = self.level(texels, place);
+            let (near, far) = ray.span()?;
+            Some(texels.volume().depth_along(&ray, (near.max(0.0), far.min(distance)), |_| level))
+        };
+        self.boxes.iter().filter_map(along).sum()
+    }
+
+    /// What of the light passes.
+    pub(crate) fn transmittance(&self, place: DVec3, direction: DVec3, distance: f64) -> f64 {
+        if self.is_empty() { 1.0 } else { (-self.depth(place, direction, distance)).exp() }
+    }
+
+    /// The level of cells as wide as a pixel at a place.
+    fn level(&self, texels: &TexelBox, place: DVec3) -> f32 {
+        let distance = place.distance(self.eye);
+        let width = (self.pixel.width + self.pixel.spread * distance) * texels.scale();
+        let level = Footprint { width, spread: 0.0 }.level(texels.volume(), 0.0);
+        match texels.volume().mode() {
+            Mode::Sggx => level,
+            // One level alone.
+            Mode::Neyret1995 => level.round(),
+        }
+    }
+}
+
+/// What the flakes of a piece do with light.
+pub(crate) struct Flakes {
+    layers: Vec<(Rgb, Reflector)>,
+}
+
+impl Piece<'_> {
+    /// Its ends, as far inside as it takes to be in its own cell: light may run along the faces of cells.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        let inset = INSET * (self.to - self.from);
+        [self.from + inset, self.to - inset]
+    }
+
+    /// Its flakes, seen against the unit `direction` of the ray.
+    pub(crate) fn flakes(&self, direction: DVec3) -> Flakes {
+        let ray = self.texels.volume_from_world().transform_vector3(direction);
+        let whole: f64 = self.segment.layers().iter().map(|layer| layer.extinction(ray)).sum();
+        let turn = self.texels.turn();
+        let layer = |layer: &Layer| {
+            let weight = layer.extinction(ray) / whole.max(f64::MIN_POSITIVE);
+            let texel = Texel { flakes: layer.texel.flakes.mapped(turn), ..layer.texel };
+            let albedo = DVec3::from_array(texel.albedo.map(f64::from));
+            (albedo * weight, Reflector::new(&texel, self.texels.model(), -direction))
+        };
+        Flakes { layers: self.segment.layers().iter().map(layer).collect() }
+    }
+}
+
+impl Flakes {
+    /// The share of light that is scattered at all.
+    pub(crate) fn albedo(&self) -> Rgb {
+        self.layers.iter().map(|(albedo, _)| *albedo).sum()
+    }
+
+    /// The share of light from a unit direction that is scattered towards the eye, per steradian.
+    pub(crate) fn respond(&self, to_light: DVec3) -> Rgb {
+        self.layers.iter().map(|(albedo, reflector)| *albedo * reflector.phase(to_light)).sum()
+    }
+}
+
+fn in_volume(texels: &TexelBox, origin: DVec3, direction: DVec3) -> Ray {
+    let map = texels.volume_from_world();
+    Ray { origin: map.transform_point3(origin), direction: map.transform_vector3(direction) }
+}

@@ -1,0 +1,192 @@
+//! Volumes of texels among solids: a cube of side 4 above a floor, evenly filled with flakes that face all ways.
+
+use crate::{camera, colour, dark, even, layer, look, pixels, settings};
+use fieldstone_render::{RenderOptions, Rendered, render};
+use fieldstone_scene::{Appearance, Camera, Light, Lighting, Pixel, Scene, Solid, TexelBox};
+use fieldstone_texel::{Builder, Mode, Model, Ray, Reflector, Sggx, Texel};
+use glam::{DAffine3, DVec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+const EDGE: u32 = 8;
+const LOW: DVec3 = DVec3::new(-2.0, -2.0, 1.0);
+const SIDE: f64 = 4.0;
+
+fn texel(albedo: f32) -> Texel {
+    Texel::even(1.0, Sggx::ISOTROPIC, 1.0 / f64::from(EDGE)).coloured([albedo; 3], 0.0)
+}
+
+fn cube(albedo: f32) -> TexelBox {
+    let mut builder = Builder::new(EDGE).expect("the edge is sound");
+    for place in 0..EDGE.pow(3) {
+        builder.insert([place % EDGE, place / EDGE % EDGE, place / EDGE / EDGE], &texel(albedo));
+    }
+    let volume = Arc::new(builder.build(Mode::Sggx).expect("the cells are few"));
+    let place = DAffine3::from_translation(LOW) * DAffine3::from_scale(DVec3::splat(SIDE));
+    TexelBox::new(volume, place).expect("the place is sound")
+}
+
+fn sun(to_light: DVec3) -> Lighting {
+    Lighting { lights: vec![Light::directional(to_light, DVec3::ONE).expect("the light is sound")], ..dark() }
+}
+
+fn floor(look: Appearance) -> Solid {
+    layer(12.0, -0.1, 0.0, look)
+}
+
+fn draw(solids: Vec<Solid>, albedo: f32, camera: Camera, lighting: Lighting) -> (Scene, Rendered) {
+    let scene = Scene::new(solids, camera, lighting, settings(24, 1, 3)).expect("the scene is sound");
+    let scene = scene.with_texels(vec![cube(albedo)]);
+    let rendered = render(&scene, &RenderOptions::default()).expect("threads start");
+    (scene, rendered)
+}
+
+/// The optical depth of the cube along a ray: 1 along its edges.
+fn depth(origin: DVec3, direction: DVec3) -> f64 {
+    let ray = Ray { origin: (origin - LOW) / SIDE, direction: direction / SIDE };
+    ray.span().map_or(0.0, |(near, far)| (far - near.max(0.0)).max(0.0) / SIDE)
+}
+
+/// Every pixel with its ray.
+fn rays(drawn: &(Scene, Rendered)) -> Vec<((DVec3, DVec3), Pixel)> {
+    let ray = |x: u32, y: u32| drawn.0.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    pixels(drawn).into_iter().map(|(x, y, pixel)| (ray(x, y), pixel)).collect()
+}
+
+fn assert_all(drawn: &(Scene, Rendered), expected: impl Fn(DVec3, DVec3, &Pixel) -> f64) {
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for ((origin, direction), pixel) in rays(drawn) {
+        let (found, expected) = (colour(&pixel).x, expected(origin, direction, &pixel));
+        // Depths are stored with an error of 0.2 %.
+        assert!((found - expected).abs() < 0.003, "{found} is not {expected} along {direction}");
+        (least, most) = (least.min(found), most.max(found));
+    }
+    assert!(most > least + 0.02, "all is alike: {least} to {most}");
+}
+
+fn from_above() -> Camera {
+    camera(DVec3::new(0.3, 0.4, 16.0), DVec3::new(0.0, 0.0, 0.0))
+}
+
+#[test]
+fn a_volume_hides_what_is_behind_it() {
+    let ambient = Lighting { ambient: DVec3::ONE, ..dark() };
+    let drawn = draw(vec![floor(look())], 0.0, from_above(), ambient);
+    assert_all(&drawn, |origin, direction, _| (-depth(origin, direction)).exp());
+}
+
+/// But that it is nowhere in its own shadow there.
+#[test]
+fn a_white_volume_in_ambient_light_cannot_be_seen() {
+    let ambient = Lighting { ambient: DVec3::ONE, ..dark() };
+    let drawn = draw(vec![floor(look())], 1.0, from_above(), ambient);
+    for (_, pixel) in rays(&drawn) {
+        assert!((colour(&pixel).x - 1.0).abs() < 0.005 && pixel.alpha == 1.0, "{pixel:?}");
+    }
+}
+
+#[test]
+fn a_volume_covers_the_background_as_far_as_it_is_there() {
+    let aside = layer(0.1, -0.1, 0.0, look());
+    let seen_from = camera(DVec3::new(0.3, 16.0, 3.0), DVec3::new(0.0, 0.0, 3.0));
+    let drawn = draw(vec![aside], 0.0, seen_from, dark());
+    for ((origin, direction), pixel) in rays(&drawn) {
+        let covered = 1.0 - (-depth(origin, direction)).exp();
+        assert!((f64::from(pixel.alpha) - covered).abs() < 0.003, "{pixel:?}: {covered}");
+    }
+}
+
+#[test]
+fn a_volume_throws_a_shadow_on_a_solid() {
+    let to_light = DVec3::new(0.2, 0.3, 0.9).normalize();
+    // From below the volume.
+    let eye = camera(DVec3::new(0.3, -9.0, 0.9), DVec3::new(0.0, 0.0, -0.5));
+    let drawn = draw(vec![floor(look())], 0.0, eye, sun(to_light));
+    assert_all(&drawn, |origin, direction, pixel| {
+        if pixel.part != 0.0 || pixel.normal[2] < 0.99 {
+            return colour(pixel).x;
+        }
+        let place = origin + f64::from(pixel.depth) * direction;
+        to_light.z * (-depth(place, to_light) - depth(origin, direction)).exp()
+    });
+}
+
+#[test]
+fn a_solid_throws_a_shadow_on_a_volume() {
+    let screen = layer(6.0, 5.5, 5.6, look());
+    let eye = camera(DVec3::new(0.3, -16.0, 3.0), DVec3::new(0.0, 0.0, 3.0));
+    let drawn =
+        draw(vec![screen, floor(Appearance { colour: DVec3::ZERO, ..look() })], 1.0, eye, sun(DVec3::Z));
+    let in_volume = rays(&drawn).into_iter().filter(|((origin, direction), _)| {
+        depth(*origin, *direction) > 0.5 && (origin.z + 16.0 * direction.z) < 4.5
+    });
+    let dark = in_volume.map(|(_, pixel)| colour(&pixel).x);
+    let (count, most) = dark.fold((0, 0.0f64), |(count, most), x| (count + 1, most.max(x)));
+    assert!(count > 50 && most == 0.0, "{count} {most}");
+}
+
+/// L = albedo p E a / (a + b) (1 − e^{−(a + b) s}), with a and b the extinctions towards the eye and the lamp by the way.
+fn scattered(origin: DVec3, direction: DVec3) -> f64 {
+    let ray = Ray { origin: (origin - LOW) / SIDE, direction: direction / SIDE };
+    let Some((near, far)) = ray.span() else { return 0.0 };
+    // In from the top alone.
+    let entry = ray.at(near);
+    let shadow = 1.0 - entry.z;
+    let phase = Reflector::new(&texel(1.0), Model::Microflakes, -direction).phase(DVec3::Z);
+    let (out, back) = (1.0 / SIDE, -direction.z / SIDE);
+    phase * PI * (-shadow).exp() * out / (out + back) * (1.0 - (-(out + back) * (far - near)).exp())
+}
+
+#[test]
+fn a_volume_scatters_the_light_of_a_lamp() {
+    let black = Appearance { colour: DVec3::ZERO, ..look() };
+    let drawn = draw(vec![floor(black)], 1.0, from_above(), sun(DVec3::Z));
+    assert_all(&drawn, |origin, direction, _| scattered(origin, direction));
+}
+
+#[test]
+fn a_volume_is_seen_in_a_mirror() {
+    let mirror = Appearance { colour: DVec3::ONE, reflection: 1.0, ..look() };
+    // A mirror above the volume, seen from beside the volume.
+    let above = layer(12.0, 8.0, 8.1, mirror);
+    let eye = DVec3::new(0.3, -6.0, 3.5);
+    let drawn = draw(vec![above], 1.0, camera(eye, DVec3::new(0.0, -3.0, 8.0)), sun(DVec3::Y));
+    let mut bright = 0;
+    for ((origin, direction), pixel) in rays(&drawn) {
+        if pixel.part == 0.0 && pixel.normal[2] < -0.99 && depth(origin, direction) == 0.0 {
+            let place = origin + f64::from(pixel.depth) * direction;
+            let turned = DVec3::new(direction.x, direction.y, -direction.z);
+            let hidden = 1.0 - (-depth(place, turned)).exp();
+            let seen = colour(&pixel).x;
+            assert!(seen <= hidden && (seen > 0.0) == (hidden > 0.0), "{seen} {hidden}");
+            bright += u32::from(seen > 0.01);
+        }
+    }
+    assert!(bright > 30, "{bright}");
+}
+
+#[test]
+fn a_volume_is_seen_through_glass() {
+    let clear = Appearance { transmission: 1.0, index: 1.0, ..look() };
+    let black = Appearance { colour: DVec3::ZERO, ..look() };
+    let drawn = draw(vec![layer(12.0, 7.0, 7.5, clear), floor(black)], 1.0, from_above(), sun(DVec3::Z));
+    assert_all(&drawn, |origin, direction, _| scattered(origin, direction));
+}
+
+/// The light of the sky comes by chance, and is that of ambient light less what the volume shades of itself.
+#[test]
+fn a_volume_scatters_the_light_of_the_sky() {
+    let black = layer(0.1, -0.1, 0.0, Appearance { colour: DVec3::ZERO, ..look() });
+    let drawn = draw(vec![black], 1.0, from_above(), even(DVec3::ONE));
+    let through =
+        rays(&drawn).into_iter().filter(|((origin, direction), _)| depth(*origin, *direction) > 0.9);
+    let (mut sum, mut hidden, mut count) = (0.0, 0.0, 0);
+    for ((origin, direction), pixel) in through {
+        let passes = (-depth(origin, direction)).exp();
+        sum += colour(&pixel).x - passes;
+        hidden += 1.0 - passes;
+        count += 1;
+    }
+    let share = sum / hidden;
+    assert!(count > 20 && share > 0.5 && share < 0.9, "{count} {share}");
+}
