@@ -63,6 +63,8 @@ pub(crate) struct Sample {
     pub(crate) alpha: f64,
     /// The variance of its luminance by the choice of places on lamps and of directions of the sky.
     pub(crate) variance: f64,
+    /// Where a volume hides half of what is behind, before the first surface: the distance, and its number among the parts.
+    pub(crate) volume: Option<(f64, usize)>,
     /// Whether other rays might have been followed, so that its variance is not known.
     pub(crate) by_chance: bool,
     /// How many rays were followed for it.
@@ -141,6 +143,7 @@ impl<'s, 'p> Integrator<'s, 'p> {
             colour: DVec3::ZERO,
             alpha: 0.0,
             variance: 0.0,
+            volume: None,
             by_chance: false,
             followed: 1,
         };
@@ -205,9 +208,14 @@ impl<'s, 'p> Integrator<'s, 'p> {
                 draw: path.draw.branch(branch::VOLUMES).branch(number),
             };
             let ambient = self.lamps.ask_in_volume(wishes, &lit);
-            samples[path.sample].colour += ambient;
-            self.lamps.grant(asker, wishes, false, |sample, sent| samples[sample].get(sent));
+            let sample = &mut samples[path.sample];
+            sample.colour += ambient;
+            let before = passes;
             passes *= (-piece.depth).exp();
+            if path.of_sight && path.passed == 0 && before >= 0.5 && passes < 0.5 {
+                sample.volume = Some((piece.half_way(before), piece.part));
+            }
+            self.lamps.grant(asker, wishes, false, |sample, sent| samples[sample].get(sent));
         }
         if path.of_sight {
             samples[path.sample].alpha += path.throughput.x * (1.0 - passes);

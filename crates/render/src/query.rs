@@ -99,14 +99,10 @@ impl<'s> Prepared<'s> {
             parts += solid.parts().len();
             Object::new(solid, scene, first)
         });
+        let objects = objects.collect();
         let moved = scene.instances().iter().map(|instance| !instance.is_unmoved()).collect();
-        Self {
-            scene,
-            objects: objects.collect(),
-            hierarchy: hierarchy_of(scene),
-            moved,
-            volumes: Volumes::new(scene),
-        }
+        let volumes = Volumes::new(scene, parts);
+        Self { scene, objects, hierarchy: hierarchy_of(scene), moved, volumes }
     }
 
     /// The nearest surface along each ray; rays are a unit direction from an origin, which may lie inside of solids.

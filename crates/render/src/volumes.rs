@@ -30,12 +30,16 @@ pub(crate) struct Volumes<'s> {
     eye: DVec3,
     /// The width of a pixel at the eye, and its growth by the distance.
     pixel: Footprint,
+    /// The number of the first volume among the parts of the scene: they come after those of all solids.
+    first_part: usize,
 }
 
 /// A piece of a ray in a filled cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece<'s> {
     texels: &'s TexelBox,
+    /// Its volume among the parts of the scene.
+    pub(crate) part: usize,
     segment: Segment,
     /// Where it begins and ends along the ray.
     pub(crate) from: f64,
@@ -45,12 +49,12 @@ pub(crate) struct Piece<'s> {
 }
 
 impl<'s> Volumes<'s> {
-    pub(crate) fn new(scene: &'s Scene) -> Self {
+    pub(crate) fn new(scene: &'s Scene, first_part: usize) -> Self {
         let (width, height) = scene.settings().size;
         let (x, y) = (0.5 * f64::from(width), 0.5 * f64::from(height));
         let (near, beside) = (scene.ray(x, y), scene.ray(x + 1.0, y));
         let pixel = Footprint { width: near.0.distance(beside.0), spread: near.1.distance(beside.1) };
-        Self { boxes: scene.texels(), eye: near.0, pixel }
+        Self { boxes: scene.texels(), eye: near.0, pixel, first_part }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -60,9 +64,9 @@ impl<'s> Volumes<'s> {
     /// The pieces of a ray before a distance, front to back, until nothing more is seen.
     pub(crate) fn pieces(&self, (origin, direction): (DVec3, DVec3), furthest: f64) -> Vec<Piece<'s>> {
         let mut pieces = Vec::new();
-        for texels in self.boxes {
+        for (part, texels) in (self.first_part..).zip(self.boxes) {
             let ray = in_volume(texels, origin, direction);
-            let Some((near, far)) = ray.span() else { continue };
+            let Some((near, far)) = texels.span(&ray) else { continue };
             let level = |t: f64| self.level(texels, origin + t * direction);
             let mut depth = 0.0;
             for segment in texels.volume().segments(&ray, (near.max(0.0), far.min(furthest)), level) {
@@ -70,13 +74,14 @@ impl<'s> Volumes<'s> {
                 let cell = texels.volume().cell_width(level(segment.from) as u32);
                 let count = (length / (CELLS * cell)).ceil().clamp(1.0, MOST_PIECES);
                 let step = (segment.to - segment.from) / count;
-                let each = segment.depth(&ray) / count;
+                let whole = segment.depth(&ray) * texels.density();
+                let each = whole / count;
                 let piece = |i: u32| {
                     let from = segment.from + f64::from(i) * step;
-                    Piece { texels, segment, from, to: from + step, depth: each }
+                    Piece { texels, part, segment, from, to: from + step, depth: each }
                 };
                 pieces.extend((0..count as u32).map(piece));
-                depth += segment.depth(&ray);
+                depth += whole;
                 if depth > -FAINTEST.ln() {
                     break;
                 }
@@ -93,8 +98,9 @@ impl<'s> Volumes<'s> {
         let along = |texels: &TexelBox| {
             let ray = in_volume(texels, place, direction);
             let level = self.level(texels, place);
-            let (near, far) = ray.span()?;
-            Some(texels.volume().depth_along(&ray, (near.max(0.0), far.min(distance)), |_| level))
+            let (near, far) = texels.span(&ray)?;
+            let depth = texels.volume().depth_along(&ray, (near.max(0.0), far.min(distance)), |_| level);
+            Some(texels.density() * depth)
         };
         self.boxes.iter().filter_map(along).sum()
     }
@@ -108,7 +114,7 @@ impl<'s> Volumes<'s> {
     fn level(&self, texels: &TexelBox, place: DVec3) -> f32 {
         let distance = place.distance(self.eye);
         let width = (self.pixel.width + self.pixel.spread * distance) * texels.scale();
-        let level = Footprint { width, spread: 0.0 }.level(texels.volume(), 0.0);
+        let level = Footprint { width, spread: 0.0 }.level(texels.volume(), 0.0).max(texels.finest_level());
         match texels.volume().mode() {
             Mode::Sggx => level,
             // One level alone.
@@ -127,6 +133,11 @@ impl Piece<'_> {
     pub(crate) fn ends(&self) -> [f64; 2] {
         let inset = INSET * (self.to - self.from);
         [self.from + inset, self.to - inset]
+    }
+
+    /// Where half of the light passes, if so much does up to where it begins.
+    pub(crate) fn half_way(&self, before: f64) -> f64 {
+        self.from + (2.0 * before).ln() / self.depth * (self.to - self.from)
     }
 
     /// Its flakes, seen against the unit `direction` of the ray.
