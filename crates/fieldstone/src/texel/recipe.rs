@@ -463,6 +463,22 @@ mod tests {
         assert!(volume.size().filled > 50 && volume.phong().exponent == 30.0);
     }
 
+    /// The recipes of the gallery, in small.
+    #[test]
+    fn the_gallery_is_built() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
+        let mut count = 0;
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|ending| ending == "toml") {
+                let recipe = Recipe::load(&path).expect("a recipe").with_edge(16).expect("a power of two");
+                assert!(recipe.build().expect("few cells").size().filled > 100, "{}", path.display());
+                count += 1;
+            }
+        }
+        assert!(count >= 5, "{count}");
+    }
+
     #[test]
     fn errors_show_their_place() {
         for (text, message, place) in [
