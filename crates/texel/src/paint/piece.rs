@@ -67,8 +67,12 @@ pub(super) struct Nearest {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Meets {
     Nothing,
-    /// A surface with this normal.
-    Surface(DVec3),
+    /// A surface.
+    Surface {
+        normal: DVec3,
+        /// How often the stretch goes through a surface: 1 if one of its ends is inside, else 2, there and back.
+        crossings: f64,
+    },
     /// The inside all along.
     Inside,
 }
@@ -180,7 +184,9 @@ fn march(pieces: &[(Piece, f64)], Stretch { start, w, length }: Stretch) -> (Mee
     while t <= length {
         let (nearest, index) = nearest_of(pieces, start + t * w);
         if nearest.distance <= least {
-            return (Meets::Surface(nearest.normal), index);
+            let leaves = nearest_of(pieces, start + length * w).0.distance > 0.0;
+            let crossings = if leaves { 2.0 } else { 1.0 };
+            return (Meets::Surface { normal: nearest.normal, crossings }, index);
         }
         t += nearest.distance;
     }
@@ -222,12 +228,13 @@ fn meets_ellipsoid(frame: &Frame, radii: DVec3, Stretch { start, w, length }: St
     if far <= 0.0 || near >= length {
         return Meets::Nothing;
     }
-    let t = match (near > 0.0, far < length) {
-        (true, _) => near,
-        (false, true) => far,
+    let (t, crossings) = match (near > 0.0, far < length) {
+        (true, true) => (near, 2.0),
+        (true, false) => (near, 1.0),
+        (false, true) => (far, 1.0),
         (false, false) => return Meets::Inside,
     };
-    Meets::Surface((frame.axes * ((p + t * d) / radii)).normalize_or(DVec3::Z))
+    Meets::Surface { normal: (frame.axes * ((p + t * d) / radii)).normalize_or(DVec3::Z), crossings }
 }
 
 /// In the plane through the axis, the frustum is a polygon of three edges beside the axis.
