@@ -169,18 +169,19 @@ pub(super) fn meets(pieces: &[(Piece, f64)], stretch: Stretch) -> (Meets, usize)
     let Stretch { start, w, length } = stretch;
     let (at_start, first) = nearest_of(pieces, start);
     if at_start.distance > 0.0 {
-        return march(pieces, stretch);
+        return march(pieces, stretch, at_start.distance);
     }
     // From the inside, the surface is met from the other end.
     let end = Stretch { start: start + length * w, w: -w, length };
-    if nearest_of(pieces, end.start).0.distance <= 0.0 { (Meets::Inside, first) } else { march(pieces, end) }
+    let at_end = nearest_of(pieces, end.start).0.distance;
+    if at_end <= 0.0 { (Meets::Inside, first) } else { march(pieces, end, at_end) }
 }
 
-/// Steps as long as the way is free; what comes nearer than a thousandth of the way is touched, so that there are
-/// a thousand steps at most.
-fn march(pieces: &[(Piece, f64)], Stretch { start, w, length }: Stretch) -> (Meets, usize) {
+/// Steps as long as the way is free, from `free` on, where it is known to be; what comes nearer than a thousandth of the way is
+/// touched, so that there are a thousand steps at most.
+fn march(pieces: &[(Piece, f64)], Stretch { start, w, length }: Stretch, free: f64) -> (Meets, usize) {
     let least = 1e-3 * length;
-    let mut t = 0.0;
+    let mut t = if free > least { free } else { 0.0 };
     while t <= length {
         let (nearest, index) = nearest_of(pieces, start + t * w);
         if nearest.distance <= least {
@@ -210,10 +211,13 @@ fn placed(frame: &Frame, nearest: Nearest) -> Nearest {
     Nearest { distance: nearest.distance * size, normal: frame.axes * nearest.normal / size }
 }
 
-/// The distance is that in the space in which the ellipsoid is a ball, times the shortest radius: never too large.
+/// The distance is that in the space in which the ellipsoid is a ball, times the shortest radius, or that of the box around it:
+/// never too large. Beside a flat ellipsoid the first is much too small.
 fn ellipsoid(p: DVec3, radii: DVec3) -> Nearest {
     let scaled = p / radii;
-    let distance = (scaled.length() - 1.0) * radii.min_element();
+    let of_ball = (scaled.length() - 1.0) * radii.min_element();
+    let of_box = (p.abs() - radii).max(DVec3::ZERO);
+    let distance = if of_box == DVec3::ZERO { of_ball } else { of_ball.max(of_box.length()) };
     Nearest { distance, normal: (scaled / radii).normalize_or(DVec3::Z) }
 }
 
@@ -239,7 +243,7 @@ fn meets_ellipsoid(frame: &Frame, radii: DVec3, Stretch { start, w, length }: St
 
 /// In the plane through the axis, the frustum is a polygon of three edges beside the axis.
 fn frustum(p: DVec3, [low, high]: [f64; 2], height: f64) -> Nearest {
-    let q = DVec2::new(p.x.hypot(p.y), p.z);
+    let q = DVec2::new((p.x * p.x + p.y * p.y).sqrt(), p.z);
     let corners = [DVec2::ZERO, DVec2::new(low, 0.0), DVec2::new(high, height), DVec2::new(0.0, height)];
     let mut best = (f64::INFINITY, DVec2::Y);
     let mut inside = true;

@@ -86,7 +86,11 @@ impl Form {
                 blade(frame, &spine(*height, own + curl), section)
             }
             Self::Hair { height, radius, tip, curl: own } => {
-                let spine = spine(*height, own + curl);
+                // What is straight is one piece.
+                let spine = match own + curl {
+                    0.0 => vec![(DVec3::ZERO, DVec3::Z), (DVec3::Z * *height, DVec3::Z)],
+                    turn => spine(*height, turn),
+                };
                 rod(spine.iter().map(|(p, _)| frame.point(*p)), [radius, tip].map(|r| r * frame.size()))
             }
             Self::Tube { points, radii } => {
