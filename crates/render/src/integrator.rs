@@ -12,11 +12,12 @@
 //! in proportion; that is no bounce. Certificates of pixels are about the first hits of their own rays.
 
 use crate::bsdf::{Chance, Meeting, Onward, Scatter};
-use crate::lamps::{Lamps, Lit, Seen, Sent, Wishes, choice};
+use crate::lamps::{Known, Lamps, Lit, Seen, Sent, Wishes, choice};
 use crate::media::Media;
 use crate::query::{Answer, Asker, Prepared, Surface};
 use crate::sampling::Draw;
 use crate::sky::Sky;
+use crate::volumes;
 use fieldstone_scene::{Appearance, Rgb};
 use glam::DVec3;
 
@@ -191,13 +192,14 @@ impl<'s, 'p> Integrator<'s, 'p> {
 
     /// Adds the light that volumes scatter before a ray has gone so far, and takes from the ray what they hide.
     fn cross_volumes(&self, worker: &mut Worker, path: &mut Path, furthest: f64, samples: &mut [Sample]) {
-        let volumes = &self.prepared.volumes;
-        if volumes.is_empty() {
+        let Prepared { volumes: boxes, .. } = self.prepared;
+        if boxes.is_empty() {
             return;
         }
         let Worker { asker, wishes } = worker;
         let mut passes = 1.0;
-        for (number, piece) in (0..).zip(volumes.pieces((path.origin, path.direction), furthest)) {
+        let mut known = Known::default();
+        for (number, piece) in (0..).zip(boxes.pieces((path.origin, path.direction), furthest)) {
             let middle = 0.5 * (piece.from + piece.to);
             let lit = Lit {
                 piece: &piece,
@@ -207,7 +209,7 @@ impl<'s, 'p> Integrator<'s, 'p> {
                 weight: path.after(middle).throughput * passes,
                 draw: path.draw.branch(branch::VOLUMES).branch(number),
             };
-            let ambient = self.lamps.ask_in_volume(wishes, &lit);
+            let ambient = self.lamps.ask_in_volume(wishes, &lit, &mut known);
             let sample = &mut samples[path.sample];
             sample.colour += ambient;
             let before = passes;
@@ -216,6 +218,10 @@ impl<'s, 'p> Integrator<'s, 'p> {
                 sample.volume = Some((piece.half_way(before), piece.part));
             }
             self.lamps.grant(asker, wishes, false, |sample, sent| samples[sample].get(sent));
+            if passes < volumes::FAINTEST {
+                passes = 0.0;
+                break;
+            }
         }
         if path.of_sight {
             samples[path.sample].alpha += path.throughput.x * (1.0 - passes);

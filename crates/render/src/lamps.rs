@@ -70,6 +70,17 @@ pub(crate) struct Lit<'c> {
     pub(crate) draw: Draw,
 }
 
+/// The optical depth towards each lamp from where the last piece of a ray ended: the next mostly begins there.
+#[derive(Default)]
+pub(crate) struct Known(Vec<Option<KnownDepth>>);
+
+#[derive(Clone, Copy)]
+struct KnownDepth {
+    t: f64,
+    to_light: DVec3,
+    depth: f64,
+}
+
 impl Lit<'_> {
     fn at(&self, t: f64) -> DVec3 {
         self.ray.0 + t * self.ray.1
@@ -200,34 +211,49 @@ impl<'s, 'p> Lamps<'s, 'p> {
     /// Asks for the light that a piece of a ray in a volume sends back; what the ambient light brings, it has at once.
     ///
     /// It looks at one place on each lamp, and in one direction to the sky.
-    pub(crate) fn ask_in_volume(&self, wishes: &mut Wishes, lit: &Lit<'_>) -> Rgb {
+    pub(crate) fn ask_in_volume(&self, wishes: &mut Wishes, lit: &Lit<'_>, known: &mut Known) -> Rgb {
         let lighting = self.prepared.scene.lighting();
         wishes.asked.resize_with(lighting.lights.len() + 1, Asked::default);
         let middle = lit.at(0.5 * (lit.piece.from + lit.piece.to));
-        for ((number, light), asked) in (0..).zip(&lighting.lights).zip(&mut wishes.asked) {
+        known.0.resize(lighting.lights.len(), None);
+        let lights = lighting.lights.iter().zip(&mut known.0).zip(&mut wishes.asked);
+        for (number, ((light, known), asked)) in (0..).zip(lights) {
             let found = light.sample(middle, lit.draw.point(choice::LAMP + number));
             let Some(Illumination { to_light, distance, colour }) = found else { continue };
             // A white, matt surface scatters a share of 1 / π.
-            let brings = colour * PI * self.lit(lit, (to_light, distance), light.casts_shadow());
+            let brings =
+                colour * PI * self.lit(lit, (to_light, distance), light.casts_shadow().then_some(known));
             asked.add_from(lit, middle, (to_light, distance), (brings, light.is_area()));
         }
         if let (Some(environment), Some(asked)) = (self.sky.environment(), wishes.asked.last_mut()) {
             let direction = sphere(lit.draw.point(choice::SKY));
             let towards = (direction, f64::INFINITY);
-            let brings = environment.light(middle, direction) * (4.0 * PI) * self.lit(lit, towards, true);
+            let brings =
+                environment.light(middle, direction) * (4.0 * PI) * self.lit(lit, towards, Some(&mut None));
             asked.add_from(lit, middle, towards, (brings, true));
         }
         lit.weight * lighting.ambient * lit.flakes.albedo() * -(-lit.piece.depth).exp_m1()
     }
 
-    /// What a piece sends back of light of a direction, if no solid is in its way, per irradiance.
-    fn lit(&self, lit: &Lit<'_>, (to_light, distance): (DVec3, f64), casts_shadow: bool) -> Rgb {
-        let depth = |t: f64| match casts_shadow {
-            true => self.prepared.volumes.depth(lit.at(t), to_light, distance),
-            false => 0.0,
-        };
-        let ends = lit.piece.ends().map(depth);
-        lit.weight * lit.flakes.respond(to_light) * lit_share(lit.piece.depth, ends)
+    /// What a piece sends back of light of a direction, if no solid is in its way, per irradiance. A lamp that throws shadows
+    /// has a depth that may be known.
+    fn lit(
+        &self,
+        lit: &Lit<'_>,
+        (to_light, distance): (DVec3, f64),
+        known: Option<&mut Option<KnownDepth>>,
+    ) -> Rgb {
+        let depths = known.map_or([0.0; 2], |known| {
+            let depth = |t: f64| self.prepared.volumes.depth(lit.at(t), to_light, distance);
+            let [near, far] = lit.piece.ends();
+            // Where light runs along the faces of cells, the two sides of a face are different columns.
+            let is_oblique = to_light.abs().min_element() > 1e-6;
+            let is_same = |k: &KnownDepth| k.t == lit.piece.from && k.to_light == to_light && is_oblique;
+            let depths = [known.filter(is_same).map_or_else(|| depth(near), |k| k.depth), depth(far)];
+            *known = Some(KnownDepth { t: lit.piece.to, to_light, depth: depths[1] });
+            depths
+        });
+        lit.weight * lit.flakes.respond(to_light) * lit_share(lit.piece.depth, depths)
     }
 
     /// What volumes leave of light on its way.

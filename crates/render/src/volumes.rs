@@ -13,7 +13,7 @@ use fieldstone_texel::{Footprint, Layer, Mode, Ray, Reflector, Segment, Texel};
 use glam::DVec3;
 
 /// Where less than this of the light passes, nothing behind is looked at.
-const FAINTEST: f64 = 1.0 / 4096.0;
+pub(crate) const FAINTEST: f64 = 1.0 / 4096.0;
 
 /// Pieces are no longer than this many cells of the level looked at.
 const CELLS: f64 = 4.0;
@@ -27,6 +27,8 @@ const INSET: f64 = 1e-6;
 /// The volumes of a scene.
 pub(crate) struct Volumes<'s> {
     boxes: &'s [TexelBox],
+    /// How wide in a cell of the finest level of each is what is 1 wide in the world.
+    scales: Vec<f64>,
     eye: DVec3,
     /// The width of a pixel at the eye, and its growth by the distance.
     pixel: Footprint,
@@ -54,7 +56,9 @@ impl<'s> Volumes<'s> {
         let (x, y) = (0.5 * f64::from(width), 0.5 * f64::from(height));
         let (near, beside) = (scene.ray(x, y), scene.ray(x + 1.0, y));
         let pixel = Footprint { width: near.0.distance(beside.0), spread: near.1.distance(beside.1) };
-        Self { boxes: scene.texels(), eye: near.0, pixel, first_part }
+        let scale = |texels: &TexelBox| texels.scale() / texels.volume().cell_width(0);
+        let scales = scene.texels().iter().map(scale).collect();
+        Self { boxes: scene.texels(), scales, eye: near.0, pixel, first_part }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -64,10 +68,11 @@ impl<'s> Volumes<'s> {
     /// The pieces of a ray before a distance, front to back, until nothing more is seen.
     pub(crate) fn pieces(&self, (origin, direction): (DVec3, DVec3), furthest: f64) -> Vec<Piece<'s>> {
         let mut pieces = Vec::new();
-        for (part, texels) in (self.first_part..).zip(self.boxes) {
+        for (number, texels) in self.boxes.iter().enumerate() {
+            let part = self.first_part + number;
             let ray = in_volume(texels, origin, direction);
             let Some((near, far)) = texels.span(&ray) else { continue };
-            let level = |t: f64| self.level(texels, origin + t * direction);
+            let level = |t: f64| self.level(number, origin + t * direction);
             let mut depth = 0.0;
             for segment in texels.volume().segments(&ray, (near.max(0.0), far.min(furthest)), level) {
                 let length = (segment.to - segment.from) * ray.direction.length();
@@ -76,10 +81,11 @@ impl<'s> Volumes<'s> {
                 let step = (segment.to - segment.from) / count;
                 let whole = segment.depth(&ray) * texels.density();
                 let each = whole / count;
-                let piece = |i: u32| {
-                    let from = segment.from + f64::from(i) * step;
-                    Piece { texels, part, segment, from, to: from + step, depth: each }
+                let end = |i: u32| {
+                    if f64::from(i) == count { segment.to } else { segment.from + f64::from(i) * step }
                 };
+                let piece =
+                    |i: u32| Piece { texels, part, segment, from: end(i), to: end(i + 1), depth: each };
                 pieces.extend((0..count as u32).map(piece));
                 depth += whole;
                 if depth > -FAINTEST.ln() {
@@ -95,14 +101,14 @@ impl<'s> Volumes<'s> {
 
     /// The optical depth of all volumes from a place in a unit direction over a distance.
     pub(crate) fn depth(&self, place: DVec3, direction: DVec3, distance: f64) -> f64 {
-        let along = |texels: &TexelBox| {
+        let along = |(number, texels): (usize, &TexelBox)| {
             let ray = in_volume(texels, place, direction);
-            let level = self.level(texels, place);
-            let (near, far) = texels.span(&ray)?;
+            let (near, far) = texels.span(&ray).filter(|(_, far)| *far > 0.0)?;
+            let level = self.level(number, place);
             let depth = texels.volume().depth_along(&ray, (near.max(0.0), far.min(distance)), |_| level);
             Some(texels.density() * depth)
         };
-        self.boxes.iter().filter_map(along).sum()
+        self.boxes.iter().enumerate().filter_map(along).sum()
     }
 
     /// What of the light passes.
@@ -111,10 +117,11 @@ impl<'s> Volumes<'s> {
     }
 
     /// The level of cells as wide as a pixel at a place.
-    fn level(&self, texels: &TexelBox, place: DVec3) -> f32 {
+    fn level(&self, number: usize, place: DVec3) -> f32 {
+        let texels = &self.boxes[number];
         let distance = place.distance(self.eye);
-        let width = (self.pixel.width + self.pixel.spread * distance) * texels.scale();
-        let level = Footprint { width, spread: 0.0 }.level(texels.volume(), 0.0).max(texels.finest_level());
+        let cells = (self.pixel.width + self.pixel.spread * distance) * self.scales[number];
+        let level = (cells as f32).log2().max(texels.finest_level());
         match texels.volume().mode() {
             Mode::Sggx => level,
             // One level alone.

@@ -12,6 +12,7 @@ const EDGE: u32 = 8;
 const LOW: DVec3 = DVec3::new(-2.0, -2.0, 1.0);
 const SIDE: f64 = 4.0;
 
+/// What the cube is made of.
 fn texel(albedo: f32) -> Texel {
     Texel::even(1.0, Sggx::ISOTROPIC, 1.0 / f64::from(EDGE)).coloured([albedo; 3], 0.0)
 }
@@ -35,8 +36,12 @@ fn floor(look: Appearance) -> Solid {
 }
 
 fn draw(solids: Vec<Solid>, albedo: f32, camera: Camera, lighting: Lighting) -> (Scene, Rendered) {
+    draw_with(solids, cube(albedo), camera, lighting)
+}
+
+fn draw_with(solids: Vec<Solid>, texels: TexelBox, camera: Camera, lighting: Lighting) -> (Scene, Rendered) {
     let scene = Scene::new(solids, camera, lighting, settings(24, 1, 3)).expect("the scene is sound");
-    let scene = scene.with_texels(vec![cube(albedo)]);
+    let scene = scene.with_texels(vec![texels]);
     let rendered = render(&scene, &RenderOptions::default()).expect("threads start");
     (scene, rendered)
 }
@@ -189,4 +194,74 @@ fn a_volume_scatters_the_light_of_the_sky() {
     }
     let share = sum / hidden;
     assert!(count > 20 && share > 0.5 && share < 0.9, "{count} {share}");
+}
+
+#[test]
+fn a_denser_volume_hides_more() {
+    let ambient = Lighting { ambient: DVec3::ONE, ..dark() };
+    let dense = cube(0.0).with_density(2.5).expect("the density is sound");
+    let drawn = draw_with(vec![floor(look())], dense, from_above(), ambient);
+    assert_all(&drawn, |origin, direction, _| (-2.5 * depth(origin, direction)).exp());
+}
+
+#[test]
+fn a_volume_has_a_depth_where_it_hides_half_and_counts_after_the_parts() {
+    let dense = cube(0.0).with_density(3.0).expect("the density is sound");
+    let drawn = draw_with(vec![floor(look())], dense, from_above(), dark());
+    let (mut in_volume, mut behind) = (0, 0);
+    for ((origin, direction), pixel) in rays(&drawn) {
+        let half = 2f64.ln() / 3.0;
+        let ray = Ray { origin: (origin - LOW) / SIDE, direction: direction / SIDE };
+        if 3.0 * depth(origin, direction) < 0.69 {
+            assert_eq!(pixel.part.max(0.0), 0.0, "{pixel:?}");
+            behind += 1;
+        } else if 3.0 * depth(origin, direction) > 0.7 {
+            let near = ray.span().map_or(f64::NAN, |(near, _)| near);
+            assert!((f64::from(pixel.depth) - near - half * SIDE).abs() < 0.01, "{pixel:?}: {near}");
+            assert_eq!((pixel.part, pixel.normal), (1.0, [0.0; 3]));
+            in_volume += 1;
+        }
+    }
+    assert!(in_volume > 20 && behind > 20, "{in_volume} {behind}");
+}
+
+#[test]
+fn a_repeated_volume_goes_on() {
+    let mut builder = Builder::new(2).expect("the edge is sound").cyclic([true, false, false]);
+    for place in 0..8 {
+        let even = Texel::even(1.0, Sggx::ISOTROPIC, 0.5).coloured([0.0; 3], 0.0);
+        builder.insert([place % 2, place / 2 % 2, place / 4], &even);
+    }
+    let volume = Arc::new(builder.build(Mode::Sggx).expect("the cells are few"));
+    let scale = DAffine3::from_scale(DVec3::new(1.0, 4.0, 4.0));
+    let place = DAffine3::from_translation(LOW) * scale;
+    let row = TexelBox::new(volume, place).and_then(|single| single.with_repeats([4, 1, 1]));
+    let ambient = Lighting { ambient: DVec3::ONE, ..dark() };
+    let drawn = draw_with(vec![floor(look())], row.expect("the place is sound"), from_above(), ambient);
+    // Four cubes that are a quarter as long let as much through across, but four times as much is in the way along x.
+    assert_all(&drawn, |origin, direction, _| {
+        let way = depth(origin, direction);
+        (-way * (DVec3::new(4.0, 1.0, 1.0) * direction).length()).exp()
+    });
+}
+
+#[test]
+fn what_is_behind_an_opaque_volume_is_not_asked_for() {
+    let opaque = || cube(0.0).with_density(1e3).expect("the density is sound");
+    let lit = |texels| draw_with(vec![floor(look())], texels, from_above(), sun(DVec3::new(0.0, 0.6, 0.8)));
+    let (thick, thin) = (lit(opaque()), lit(cube(0.0)));
+    assert!(thick.1.stats.rays < thin.1.stats.rays, "{:?} {:?}", thick.1.stats, thin.1.stats);
+}
+
+#[test]
+fn a_scene_may_hold_a_volume_alone() {
+    let ambient = Lighting { ambient: DVec3::ONE, ..dark() };
+    let scene = Scene::of_texels(vec![cube(1.0)], from_above(), ambient, settings(24, 1, 3));
+    let scene = scene.expect("the scene is sound");
+    let rendered = render(&scene, &RenderOptions::default()).expect("threads start");
+    for ((origin, direction), pixel) in rays(&(scene, rendered)) {
+        let covered = 1.0 - (-depth(origin, direction)).exp();
+        assert!((f64::from(pixel.alpha) - covered).abs() < 0.003, "{pixel:?}: {covered}");
+        assert!((colour(&pixel).x - covered).abs() < 0.005, "{pixel:?}: {covered}");
+    }
 }
