@@ -94,11 +94,13 @@ pub(crate) struct Lamps<'s, 'p> {
     shadows: Shadows<'s, 'p>,
 }
 
-/// A shadow ray, and what it brings if nothing is in its way.
+/// A shadow ray, and what it brings if neither solids nor volumes are in its way.
 #[derive(Clone, Copy)]
 struct Wish {
     ray: ShadowRay,
     brings: Rgb,
+    /// What volumes leave of it.
+    passes: f64,
 }
 
 /// The wishes of one surface for one lamp.
@@ -163,10 +165,10 @@ impl<'s, 'p> Lamps<'s, 'p> {
             let Illumination { to_light, distance, colour } = light.sample(seen.place, place)?;
             let passes = self.passes(light.casts_shadow(), seen.place, (to_light, distance));
             let response = seen.scatter.respond(to_light);
-            let brings = seen.weight * colour * response * (passes / f64::from(directions));
+            let brings = seen.weight * colour * response / f64::from(directions);
             let is_lit = to_light.dot(seen.normal) > 0.0 && brings.max_element() > 0.0;
             let ray = seen.ray((to_light, distance), brings);
-            is_lit.then_some(Wish { ray, brings })
+            is_lit.then_some(Wish { ray, brings, passes })
         });
         asked.add(lit, |wishes| Estimate {
             sample: seen.sample,
@@ -193,12 +195,10 @@ impl<'s, 'p> Lamps<'s, 'p> {
             let light = environment.light(seen.place, look.direction);
             let weight = 1.0 / (PI * look.density * f64::from(directions));
             let passes = self.passes(true, seen.place, (look.direction, f64::INFINITY));
-            let brings = seen.weight * light * response * (weight * passes);
-            Some(Wish { ray: seen.ray((look.direction, f64::INFINITY), brings), brings })
+            let brings = seen.weight * light * response * weight;
+            Some(Wish { ray: seen.ray((look.direction, f64::INFINITY), brings), brings, passes })
         });
-        // What volumes leave of it is not known.
-        let known = highlight.is_none() && self.prepared.volumes.is_empty();
-        let whole = environment.on_matt(seen.normal).filter(|_| known);
+        let whole = environment.on_matt(seen.normal).filter(|_| highlight.is_none());
         asked.add(lit, |wishes| Estimate {
             sample: seen.sample,
             wishes,
@@ -323,7 +323,7 @@ impl Asked {
         (brings, by_chance): (Rgb, bool),
     ) {
         let (worth, seed) = (brings.max_element(), derive(lit.draw.seed, lit.draw.index));
-        let wish = Wish { ray: ShadowRay { origin, direction, distance, worth, seed }, brings };
+        let wish = Wish { ray: ShadowRay { origin, direction, distance, worth, seed }, brings, passes: 1.0 };
         let estimate =
             |wishes| Estimate { sample: lit.sample, wishes, directions: 1, whole: None, by_chance };
         self.add((worth > 0.0).then_some(wish).into_iter(), estimate);
@@ -345,6 +345,7 @@ impl Estimate {
         let (mut came, mut all, mut squares) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         let (mut some_blocked, mut some_came) = (false, false);
         for (wish, &left) in wishes.iter().zip(left) {
+            let left = left * wish.passes;
             let light = wish.brings * left;
             came += light;
             all += wish.brings;
