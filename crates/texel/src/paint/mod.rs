@@ -242,11 +242,8 @@ impl Brush<'_> {
         let low = DVec3::from_array(corner.map(f64::from)) * self.cell_width() - self.shift;
         let centre = low + half;
         let reach = half * 3f64.sqrt();
-        let near: Vec<&Piece> = pieces
-            .iter()
-            .copied()
-            .filter(|p| p.nearest(centre).distance <= reach + 0.2 * self.cell_width())
-            .collect();
+        let near: Vec<&Piece> =
+            pieces.iter().copied().filter(|p| p.gap(centre) <= reach + 0.2 * self.cell_width()).collect();
         if near.is_empty() {
             return;
         }

@@ -103,6 +103,19 @@ impl Piece {
         }
     }
 
+    /// A distance at which the body is at least, closer to the truth than that of [`Piece::nearest`].
+    pub(super) fn gap(&self, p: DVec3) -> f64 {
+        match self {
+            Self::Ellipsoid { frame, radii } => {
+                // No point of a convex body is beyond the plane that touches it across a direction.
+                let p = frame.inside(p);
+                let across = (p / (*radii * *radii)).normalize_or_zero();
+                (across.dot(p) - (across * *radii).length()) * frame.size()
+            }
+            other => other.nearest(p).distance,
+        }
+    }
+
     /// The direction along the body.
     pub(super) fn axis(&self) -> DVec3 {
         match self {
