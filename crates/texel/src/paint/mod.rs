@@ -22,7 +22,7 @@ use crate::chance::{hash, normal};
 use crate::texel::MAX_DEPTH;
 use crate::{Builder, Sggx, Texel, morton};
 use glam::{DMat3, DVec3};
-use piece::{Meets, Piece, Stretch, meets};
+use piece::{Meets, Nearest, Piece, Stretch, meets};
 use rayon::prelude::*;
 
 /// A shape at its place.
@@ -241,12 +241,9 @@ impl Brush<'_> {
         let half = 0.5 * f64::from(side) * self.cell_width();
         let low = DVec3::from_array(corner.map(f64::from)) * self.cell_width() - self.shift;
         let centre = low + half;
-        let reach = half * 3f64.sqrt();
-        let near: Vec<&Piece> = pieces
-            .iter()
-            .copied()
-            .filter(|p| p.nearest(centre).distance <= reach + 0.2 * self.cell_width())
-            .collect();
+        let slack = 0.2 * self.cell_width();
+        let near: Vec<&Piece> =
+            pieces.iter().copied().filter(|piece| !piece.misses(centre, half, slack)).collect();
         if near.is_empty() {
             return;
         }
@@ -269,11 +266,13 @@ impl Brush<'_> {
     /// What opaque bodies leave of the light through a cell.
     fn opaque(&self, cell: [u32; 3], low: DVec3, pieces: &[&Piece]) -> Option<Texel> {
         let width = self.cell_width();
-        let pieces: Vec<(Piece, f64)> = pieces.iter().map(|piece| piece.widened(0.125 * width)).collect();
         let centre = low + 0.5 * width;
-        if pieces.iter().any(|(piece, _)| piece.nearest(centre).distance <= -0.5 * 3f64.sqrt() * width) {
-            return Some(self.filled([1.0; 3], self.inner_flakes(cell, centre, &pieces), 0.0));
+        let (nearest, axis) = nearest(centre, pieces.iter().copied());
+        if nearest.distance <= -0.5 * 3f64.sqrt() * width {
+            let flakes = self.flakes(cell, centre, nearest.normal, axis);
+            return Some(self.filled([1.0; 3], Sggx::from_matrix(flakes).normalised(), 0.0));
         }
+        let pieces: Vec<(Piece, f64)> = pieces.iter().map(|piece| piece.widened(0.125 * width)).collect();
         let mut hits = Hits { stopped: [0.0; 3], flakes: DMat3::ZERO, area: 0.0 };
         for axis in 0..3 {
             let w = DVec3::AXES[axis];
@@ -289,17 +288,11 @@ impl Brush<'_> {
             return None;
         }
         let flakes = if hits.flakes == DMat3::ZERO {
-            self.inner_flakes(cell, centre, &pieces)
+            Sggx::from_matrix(self.flakes(cell, centre, nearest.normal, axis)).normalised()
         } else {
             Sggx::from_matrix(hits.flakes).normalised()
         };
         Some(self.filled(covered, flakes, 0.25 * hits.area / rays))
-    }
-
-    /// Flakes as on the nearest surface.
-    fn inner_flakes(&self, cell: [u32; 3], centre: DVec3, pieces: &[(Piece, f64)]) -> Sggx {
-        let (normal, axis) = self.nearest(centre, pieces.iter().map(|(piece, _)| piece));
-        Sggx::from_matrix(self.flakes(cell, centre, normal, axis)).normalised()
     }
 
     /// A cell whose faces are covered by these shares, with surfaces of a mean projected area in units of its face.
@@ -353,7 +346,7 @@ impl Brush<'_> {
             return None;
         }
         let share = inside as f64 / f64::from(RAYS.pow(3));
-        let (normal, axis) = self.nearest(centre, pieces.iter().copied());
+        let (Nearest { normal, .. }, axis) = nearest(centre, pieces.iter().copied());
         let flakes = Sggx::from_matrix(self.flakes(cell, centre, normal, axis));
         let density = self.solid.material.density.unwrap_or(0.0) * share;
         Some(self.coloured(Texel::even(density as f32, flakes, width)))
@@ -361,13 +354,6 @@ impl Brush<'_> {
 
     fn coloured(&self, texel: Texel) -> Texel {
         texel.coloured(self.solid.material.albedo, self.solid.material.gloss)
-    }
-
-    /// The normal of the nearest surface, and the axis of its body.
-    fn nearest<'p>(&self, p: DVec3, pieces: impl Iterator<Item = &'p Piece>) -> (DVec3, DVec3) {
-        let found = pieces.map(|piece| (piece.nearest(p), piece.axis()));
-        let nearest = found.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
-        nearest.map_or((DVec3::Z, DVec3::Z), |(nearest, axis)| (nearest.normal, axis))
     }
 
     /// S at a place with this normal, on a body with this axis; the mean projected area is the same at all places.
@@ -402,6 +388,13 @@ impl Brush<'_> {
             }
         }
     }
+}
+
+/// The nearest surface of a place, and the axis of its body.
+fn nearest<'p>(p: DVec3, pieces: impl Iterator<Item = &'p Piece>) -> (Nearest, DVec3) {
+    let found = pieces.map(|piece| (piece.nearest(p), piece.axis()));
+    let nearest = found.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+    nearest.unwrap_or((Nearest { distance: f64::INFINITY, normal: DVec3::Z }, DVec3::Z))
 }
 
 /// What the rays of a cell met.

@@ -90,11 +90,11 @@ impl Scatter {
             }))
         };
         let places = parts.into_iter().map(place);
-        places.filter(|place| !self.round || self.from_middle(*place).length_squared() <= 1.0).collect()
+        places.filter(|place| !self.round || self.seen_from_middle(*place).length_squared() <= 1.0).collect()
     }
 
     /// A place as seen from the middle of the region, 1 at its faces.
-    fn from_middle(&self, place: DVec3) -> DVec3 {
+    fn seen_from_middle(&self, place: DVec3) -> DVec3 {
         let [low, high] = self.region;
         let (way, half) = (place - 0.5 * (low + high), 0.5 * (high - low));
         DVec3::select(half.cmpgt(DVec3::ZERO), way / half, DVec3::ZERO)
@@ -103,7 +103,7 @@ impl Scatter {
     fn copy(&self, copy: u64, origin: DVec3) -> Solid {
         let by_chance = |what: u64| normal(self.seed, &[2, copy, what]);
         let stray = DVec3::new(by_chance(0), by_chance(1), 0.0) * self.lean;
-        let grown = DVec3::Z + self.comb + self.outward * self.from_middle(origin);
+        let grown = DVec3::Z + self.comb + self.outward * self.seen_from_middle(origin);
         let up = grown.normalize_or(DVec3::Z) + stray;
         let x = self.shape.frame.axes.x_axis;
         let spin = x.y.atan2(x.x) + self.spin * std::f64::consts::TAU * unit(self.seed, &[3, copy]);
