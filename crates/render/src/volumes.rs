@@ -8,6 +8,7 @@
 //! The level that is looked at follows from the distance to the eye, also in mirrors; two levels are blended, but one is
 //! looked at alone in volumes that were filtered by the rules of 1995.
 
+use crate::hierarchy::Hierarchy;
 use fieldstone_scene::{Rgb, Scene, TexelBox};
 use fieldstone_texel::{Footprint, Layer, Mode, Ray, Reflector, Segment, Texel};
 use glam::DVec3;
@@ -21,12 +22,20 @@ const CELLS: f64 = 4.0;
 /// The most pieces of one segment.
 const MOST_PIECES: f64 = 1024.0;
 
+/// Up to so many volumes are asked one after the other.
+const FEW: usize = 8;
+
+/// Behind this optical depth nothing is seen: e⁻²⁰ = 2·10⁻⁹ of the light passes.
+const OPAQUE: f64 = 20.0;
+
 /// How far from the ends of a piece, in parts of its length, is within its cell.
 const INSET: f64 = 1e-6;
 
 /// The volumes of a scene.
 pub(crate) struct Volumes<'s> {
     boxes: &'s [TexelBox],
+    /// Where there are many.
+    hierarchy: Option<Hierarchy>,
     /// How wide in a cell of the finest level of each is what is 1 wide in the world.
     scales: Vec<f64>,
     eye: DVec3,
@@ -58,7 +67,10 @@ impl<'s> Volumes<'s> {
         let pixel = Footprint { width: near.0.distance(beside.0), spread: near.1.distance(beside.1) };
         let scale = |texels: &TexelBox| texels.scale() / texels.volume().cell_width(0);
         let scales = scene.texels().iter().map(scale).collect();
-        Self { boxes: scene.texels(), scales, eye: near.0, pixel, first_part }
+        let boxes = scene.texels();
+        let bounds = || boxes.iter().map(TexelBox::bounds).collect::<Vec<_>>();
+        let hierarchy = (boxes.len() > FEW).then(|| Hierarchy::new(&bounds()));
+        Self { boxes, hierarchy, scales, eye: near.0, pixel, first_part }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -66,49 +78,77 @@ impl<'s> Volumes<'s> {
     }
 
     /// The pieces of a ray before a distance, front to back, until nothing more is seen.
-    pub(crate) fn pieces(&self, (origin, direction): (DVec3, DVec3), furthest: f64) -> Vec<Piece<'s>> {
+    pub(crate) fn pieces(&self, ray: (DVec3, DVec3), furthest: f64) -> Vec<Piece<'s>> {
         let mut pieces = Vec::new();
-        for (number, texels) in self.boxes.iter().enumerate() {
-            let part = self.first_part + number;
-            let ray = in_volume(texels, origin, direction);
-            let Some((near, far)) = texels.span(&ray) else { continue };
-            let level = |t: f64| self.level(number, origin + t * direction);
-            let mut depth = 0.0;
-            for segment in texels.volume().segments(&ray, (near.max(0.0), far.min(furthest)), level) {
-                let length = (segment.to - segment.from) * ray.direction.length();
-                let cell = texels.volume().cell_width(level(segment.from) as u32);
-                let count = (length / (CELLS * cell)).ceil().clamp(1.0, MOST_PIECES);
-                let step = (segment.to - segment.from) / count;
-                let whole = segment.depth(&ray) * texels.density();
-                let each = whole / count;
-                let end = |i: u32| {
-                    if f64::from(i) == count { segment.to } else { segment.from + f64::from(i) * step }
-                };
-                let piece =
-                    |i: u32| Piece { texels, part, segment, from: end(i), to: end(i + 1), depth: each };
-                pieces.extend((0..count as u32).map(piece));
-                depth += whole;
-                if depth > -FAINTEST.ln() {
-                    break;
-                }
-            }
-        }
+        self.visit(ray, furthest, |number| self.cut(ray, furthest, (number, &mut pieces)));
         if self.boxes.len() > 1 {
             pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
         }
         pieces
     }
 
+    /// Adds the pieces of a ray in one volume; from where on nothing is seen behind them.
+    fn cut(
+        &self,
+        (origin, direction): (DVec3, DVec3),
+        furthest: f64,
+        (number, pieces): (usize, &mut Vec<Piece<'s>>),
+    ) -> f64 {
+        let (texels, part) = (&self.boxes[number], self.first_part + number);
+        let ray = in_volume(texels, origin, direction);
+        let Some((near, far)) = texels.span(&ray) else { return f64::INFINITY };
+        let level = |t: f64| self.level(number, origin + t * direction);
+        let mut depth = 0.0;
+        for segment in texels.volume().segments(&ray, (near.max(0.0), far.min(furthest)), level) {
+            let length = (segment.to - segment.from) * ray.direction.length();
+            let cell = texels.volume().cell_width(level(segment.from) as u32);
+            let count = (length / (CELLS * cell)).ceil().clamp(1.0, MOST_PIECES);
+            let step = (segment.to - segment.from) / count;
+            let whole = segment.depth(&ray) * texels.density();
+            let each = whole / count;
+            let end = |i: u32| {
+                if f64::from(i) == count { segment.to } else { segment.from + f64::from(i) * step }
+            };
+            let piece = |i: u32| Piece { texels, part, segment, from: end(i), to: end(i + 1), depth: each };
+            pieces.extend((0..count as u32).map(piece));
+            depth += whole;
+            if depth > -FAINTEST.ln() {
+                return segment.to;
+            }
+        }
+        f64::INFINITY
+    }
+
     /// The optical depth of all volumes from a place in a unit direction over a distance.
     pub(crate) fn depth(&self, place: DVec3, direction: DVec3, distance: f64) -> f64 {
-        let along = |(number, texels): (usize, &TexelBox)| {
+        let mut sum = 0.0;
+        self.visit((place, direction), distance, |number| {
+            let texels = &self.boxes[number];
             let ray = in_volume(texels, place, direction);
-            let (near, far) = texels.span(&ray).filter(|(_, far)| *far > 0.0)?;
-            let level = self.level(number, place);
-            let depth = texels.volume().depth_along(&ray, (near.max(0.0), far.min(distance)), |_| level);
-            Some(texels.density() * depth)
+            if let Some((near, far)) = texels.span(&ray).filter(|(_, far)| *far > 0.0) {
+                let level = self.level(number, place);
+                let span = (near.max(0.0), far.min(distance));
+                sum += texels.density() * texels.volume().depth_along(&ray, span, |_| level);
+            }
+            if sum > OPAQUE { f64::NEG_INFINITY } else { f64::INFINITY }
+        });
+        sum
+    }
+
+    /// Visits the volumes that a ray may meet before it has gone so far, from the nearest on where they are many; `visit`
+    /// tells from where on others do not matter.
+    fn visit(&self, ray: (DVec3, DVec3), furthest: f64, mut visit: impl FnMut(usize) -> f64) {
+        let Some(hierarchy) = &self.hierarchy else {
+            (0..self.boxes.len()).for_each(|number| {
+                visit(number);
+            });
+            return;
         };
-        self.boxes.iter().enumerate().filter_map(along).sum()
+        let mut reach = furthest;
+        let mut passage = hierarchy.passage(ray, furthest);
+        while let Some(number) = hierarchy.next(&mut passage, reach) {
+            reach = reach.min(visit(number));
+        }
     }
 
     /// What of the light passes.

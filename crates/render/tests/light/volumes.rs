@@ -265,3 +265,30 @@ fn a_scene_may_hold_a_volume_alone() {
         assert!((colour(&pixel).x - covered).abs() < 0.005, "{pixel:?}: {covered}");
     }
 }
+
+/// A volume in many pieces is what it is in one.
+#[test]
+fn many_volumes_are_asked_from_the_nearest_on() {
+    let single = || Texel::even(1.0, Sggx::ISOTROPIC, 1.0).coloured([0.0; 3], 0.0);
+    let mut builder = Builder::new(1).expect("the edge is sound");
+    builder.insert([0; 3], &single());
+    let volume = Arc::new(builder.build(Mode::Sggx).expect("the cells are few"));
+    let part = |i: u32| {
+        let corner = LOW + DVec3::from([i % 4, i / 4 % 4, i / 16].map(f64::from)) * (SIDE / 4.0);
+        let place = DAffine3::from_translation(corner) * DAffine3::from_scale(DVec3::splat(SIDE / 4.0));
+        let texels = TexelBox::new(volume.clone(), place).and_then(|texels| texels.with_density(0.25));
+        texels.expect("the place is sound")
+    };
+    let lighting = Lighting { ambient: DVec3::splat(0.2), ..sun(DVec3::new(0.2, 0.3, 0.9).normalize()) };
+    let draw = |texels: Vec<TexelBox>| {
+        let scene = Scene::new(vec![floor(look())], from_above(), lighting.clone(), settings(24, 1, 3));
+        let scene = scene.expect("the scene is sound").with_texels(texels);
+        let rendered = render(&scene, &RenderOptions::default()).expect("threads start");
+        (scene, rendered)
+    };
+    let (whole, parts) = (draw(vec![cube(0.0)]), draw((0..64).map(part).collect()));
+    let pairs = rays(&whole).into_iter().zip(rays(&parts));
+    let worst =
+        pairs.map(|((_, a), (_, b))| (colour(&a) - colour(&b)).abs().max_element()).fold(0.0, f64::max);
+    assert!(worst < 0.005, "{worst}");
+}
