@@ -116,7 +116,7 @@ impl Work<'_> {
             messages.iter().for_each(|message| eprintln!("{message}"));
         }
         let rendered = draw(arguments, &resolved, &self.interrupt)?;
-        if let Some(warning) = Warning::of_picture(&rendered.stats, &resolved.warnings) {
+        if let Some(warning) = Warning::of_picture(&rendered.stats, &resolved) {
             resolved.warnings.push(warning);
             if !arguments.quiet {
                 eprintln!("warning: {warning}");

@@ -194,7 +194,8 @@ struct Report {
     compression: f64,
 }
 
-fn name(mode: Mode) -> &'static str {
+/// What a filter is called.
+pub(crate) fn name(mode: Mode) -> &'static str {
     match mode {
         Mode::Sggx => "sggx",
         Mode::Neyret1995 => "1995",

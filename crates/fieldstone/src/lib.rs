@@ -121,8 +121,8 @@ pub use fieldstone_scene::{
     CameraError, Channel, Condition, Environment, EnvironmentError, ExposureError, Face, Film, Image,
     ImageError, Instance, Light, LightError, LightSource, Lighting, MAX_BOUNCES, MAX_IMAGE_PIXELS,
     MAX_LIGHT_SAMPLES, Material, MaterialError, Method, NORMAL_INPUTS, Part, Pixel, Projection, Rgb, Scene,
-    SceneError, Settings, Shading, Solid, Surroundings, Texture, Tone, ToneCurve, Tree, Up, View, Wrap,
-    linear_to_srgb, srgb_to_linear,
+    SceneError, Settings, Shading, Solid, Surroundings, TexelBox, Texture, Tone, ToneCurve, Tree, Up, View,
+    Wrap, linear_to_srgb, srgb_to_linear,
 };
 pub use fieldstone_solids::{Interpolation, PointCloud, PointError, Reconstruction, VoxelArray, VoxelError};
 pub use fieldstone_space::{

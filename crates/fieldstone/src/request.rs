@@ -97,12 +97,13 @@ impl Warning {
         format!("{name}: {text}")
     }
 
-    /// What a picture gives reason to say; nothing if a warning about its scene says why.
-    pub fn of_picture(stats: &Stats, scene_warnings: &[Self]) -> Option<Self> {
+    /// What a picture gives reason to say; nothing if a warning about its scene says why, or thin volumes may be seen.
+    pub fn of_picture(stats: &Stats, resolved: &Resolved) -> Option<Self> {
         use Warning::{Empty, EmptySurface, NotFound, NothingInSphere, Undefined};
         let explained = [Empty, EmptySurface, NotFound, NothingInSphere, Undefined];
-        let is_explained = scene_warnings.iter().any(|warning| explained.contains(warning));
-        (stats.hits == 0 && !is_explained).then_some(Self::NothingSeen)
+        let is_explained = resolved.warnings.iter().any(|warning| explained.contains(warning));
+        let is_sure = stats.hits == 0 && resolved.scene.texels().is_empty();
+        (is_sure && !is_explained).then_some(Self::NothingSeen)
     }
 }
 

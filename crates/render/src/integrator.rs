@@ -12,11 +12,12 @@
 //! in proportion; that is no bounce. Certificates of pixels are about the first hits of their own rays.
 
 use crate::bsdf::{Chance, Meeting, Onward, Scatter};
-use crate::lamps::{Lamps, Seen, Sent, Wishes, choice};
+use crate::lamps::{Known, Lamps, Lit, Seen, Sent, Wishes, choice};
 use crate::media::Media;
 use crate::query::{Answer, Asker, Prepared, Surface};
 use crate::sampling::Draw;
 use crate::sky::Sky;
+use crate::volumes;
 use fieldstone_scene::{Appearance, Rgb};
 use glam::DVec3;
 
@@ -38,6 +39,7 @@ mod branch {
     pub(super) const STRAIGHT: u32 = 8;
     pub(super) const THROUGH: u32 = 9;
     pub(super) const MIRROR: u32 = 10;
+    pub(super) const VOLUMES: u32 = 11;
 }
 
 /// A ray from the eye.
@@ -62,6 +64,8 @@ pub(crate) struct Sample {
     pub(crate) alpha: f64,
     /// The variance of its luminance by the choice of places on lamps and of directions of the sky.
     pub(crate) variance: f64,
+    /// Where a volume hides half of what is behind, before the first surface: the distance, and its number among the parts.
+    pub(crate) volume: Option<(f64, usize)>,
     /// Whether other rays might have been followed, so that its variance is not known.
     pub(crate) by_chance: bool,
     /// How many rays were followed for it.
@@ -132,7 +136,7 @@ impl<'s, 'p> Integrator<'s, 'p> {
             by_chance: false,
             draw: ray.draw,
         };
-        let first: Vec<Path> = rays.iter().enumerate().map(start).collect();
+        let mut first: Vec<Path> = rays.iter().enumerate().map(start).collect();
         let answers = self.surfaces(&mut worker.asker, &first);
         let empty = |answer: &Answer| Sample {
             answer: *answer,
@@ -140,16 +144,17 @@ impl<'s, 'p> Integrator<'s, 'p> {
             colour: DVec3::ZERO,
             alpha: 0.0,
             variance: 0.0,
+            volume: None,
             by_chance: false,
             followed: 1,
         };
         let mut samples: Vec<Sample> = answers.iter().map(empty).collect();
-        let mut waiting = self.follow(worker, &first, &answers, &mut samples);
+        let mut waiting = self.follow(worker, &mut first, &answers, &mut samples);
         while !waiting.is_empty() {
             // The last ones first: what waits stays little, however rays branch.
-            let wave = waiting.split_off(waiting.len().saturating_sub(TOGETHER));
+            let mut wave = waiting.split_off(waiting.len().saturating_sub(TOGETHER));
             let answers = self.surfaces(&mut worker.asker, &wave);
-            waiting.extend(self.follow(worker, &wave, &answers, &mut samples));
+            waiting.extend(self.follow(worker, &mut wave, &answers, &mut samples));
         }
         samples
     }
@@ -163,41 +168,75 @@ impl<'s, 'p> Integrator<'s, 'p> {
     fn follow(
         &self,
         worker: &mut Worker,
-        paths: &[Path],
+        paths: &mut [Path],
         answers: &[Answer],
         samples: &mut [Sample],
     ) -> Vec<Path> {
-        let mut wave = Wave { paths, hits: Vec::new(), surfaces: Vec::new() };
-        for (i, (path, answer)) in paths.iter().zip(answers).enumerate() {
-            // Volume segments will go before the surface, front to back.
-            let furthest = answer.surface.map_or(f64::INFINITY, |s| s.t);
-            let _none = self.prepared.segments(&(path.origin, path.direction), furthest);
-            if self.meets_lamp(path, furthest, samples) {
-                continue;
-            }
-            match answer.surface {
-                Some(surface) => {
-                    wave.hits.push(i);
-                    wave.surfaces.push((surface, path.direction));
+        let (mut hits, mut surfaces) = (Vec::new(), Vec::new());
+        for (i, (path, answer)) in paths.iter_mut().zip(answers).enumerate() {
+            let surface = answer.surface.map_or(f64::INFINITY, |s| s.t);
+            let lamp = self.met_lamp(path, surface);
+            // Volumes go before what is met, front to back.
+            self.cross_volumes(worker, path, lamp.map_or(surface, |(t, _)| t), samples);
+            match (lamp, answer.surface) {
+                (Some((t, light)), _) => path.after(t).bring(light, &mut samples[path.sample]),
+                (None, Some(surface)) => {
+                    hits.push(i);
+                    surfaces.push((surface, path.direction));
                 }
-                None => self.leaves(path, samples),
+                (None, None) => self.leaves(path, samples),
             }
         }
-        self.scatter(worker, &wave, samples)
+        self.scatter(worker, &Wave { paths, hits, surfaces }, samples)
     }
 
-    /// Whether a ray meets a lamp that is a body before it has gone so far; its light is added then.
-    fn meets_lamp(&self, path: &Path, furthest: f64, samples: &mut [Sample]) -> bool {
+    /// Adds the light that volumes scatter before a ray has gone so far, and takes from the ray what they hide.
+    fn cross_volumes(&self, worker: &mut Worker, path: &mut Path, furthest: f64, samples: &mut [Sample]) {
+        let Prepared { volumes: boxes, .. } = self.prepared;
+        if boxes.is_empty() {
+            return;
+        }
+        let Worker { asker, wishes } = worker;
+        let mut passes = 1.0;
+        let mut known = Known::default();
+        for (number, piece) in (0..).zip(boxes.pieces((path.origin, path.direction), furthest)) {
+            let middle = 0.5 * (piece.from + piece.to);
+            let lit = Lit {
+                piece: &piece,
+                flakes: piece.flakes(path.direction),
+                ray: (path.origin, path.direction),
+                sample: path.sample,
+                weight: path.after(middle).throughput * passes,
+                draw: path.draw.branch(branch::VOLUMES).branch(number),
+            };
+            let ambient = self.lamps.ask_in_volume(wishes, &lit, &mut known);
+            let sample = &mut samples[path.sample];
+            sample.colour += ambient;
+            let before = passes;
+            passes *= (-piece.depth).exp();
+            if path.of_sight && path.passed == 0 && before >= 0.5 && passes < 0.5 {
+                sample.volume = Some((piece.half_way(before), piece.part));
+            }
+            self.lamps.grant(asker, wishes, false, |sample, sent| samples[sample].get(sent));
+            if passes < volumes::FAINTEST {
+                passes = 0.0;
+                break;
+            }
+        }
+        if path.of_sight {
+            samples[path.sample].alpha += path.throughput.x * (1.0 - passes);
+        }
+        path.throughput *= passes;
+    }
+
+    /// The nearest lamp that is a body and that a ray meets before it has gone so far, and its light.
+    fn met_lamp(&self, path: &Path, furthest: f64) -> Option<(f64, Rgb)> {
         if !path.sees_lamps {
-            return false;
+            return None;
         }
         let lamps = self.prepared.scene.lighting().lights.iter().filter(|lamp| lamp.is_visible());
         let met = lamps.filter_map(|lamp| lamp.hit(path.origin, path.direction));
-        let nearest = met.filter(|(t, _)| *t < furthest).min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((t, light)) = nearest else { return false };
-        let path = path.after(t);
-        path.bring(light, &mut samples[path.sample]);
-        true
+        met.filter(|(t, _)| *t < furthest).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Adds what a ray sees that hits nothing.

@@ -13,10 +13,12 @@
 
 use crate::bsdf::Scatter;
 use crate::query::{Asker, Prepared};
-use crate::sampling::{Draw, derive, luminance};
+use crate::sampling::{Draw, derive, luminance, sphere};
 use crate::shadows::{ShadowRay, Shadows};
 use crate::sky::Sky;
+use crate::volumes::{Flakes, Piece};
 use fieldstone_scene::{Environment, Illumination, Light, Rgb};
+use fieldstone_texel::lit_share;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -55,6 +57,36 @@ pub(crate) struct Seen<'c> {
     pub(crate) by_chance: bool,
 }
 
+/// A piece of a ray in a volume, and how it scatters light.
+pub(crate) struct Lit<'c> {
+    pub(crate) piece: &'c Piece<'c>,
+    pub(crate) flakes: Flakes,
+    /// An origin and a unit direction.
+    pub(crate) ray: (DVec3, DVec3),
+    /// Which sample of the picture the light is for, and what it is multiplied by on its way there.
+    pub(crate) sample: usize,
+    pub(crate) weight: Rgb,
+    /// What chance depends on here.
+    pub(crate) draw: Draw,
+}
+
+/// The optical depth towards each lamp from where the last piece of a ray ended: the next mostly begins there.
+#[derive(Default)]
+pub(crate) struct Known(Vec<Option<KnownDepth>>);
+
+#[derive(Clone, Copy)]
+struct KnownDepth {
+    t: f64,
+    to_light: DVec3,
+    depth: f64,
+}
+
+impl Lit<'_> {
+    fn at(&self, t: f64) -> DVec3 {
+        self.ray.0 + t * self.ray.1
+    }
+}
+
 /// Light that surfaces get straight from where it is given off.
 pub(crate) struct Lamps<'s, 'p> {
     prepared: &'p Prepared<'s>,
@@ -62,11 +94,13 @@ pub(crate) struct Lamps<'s, 'p> {
     shadows: Shadows<'s, 'p>,
 }
 
-/// A shadow ray, and what it brings if nothing is in its way.
+/// A shadow ray, and what it brings if neither solids nor volumes are in its way.
 #[derive(Clone, Copy)]
 struct Wish {
     ray: ShadowRay,
     brings: Rgb,
+    /// What volumes leave of it.
+    passes: f64,
 }
 
 /// The wishes of one surface for one lamp.
@@ -129,10 +163,12 @@ impl<'s, 'p> Lamps<'s, 'p> {
         let directions = self.directions(seen, samples, 1.0);
         let lit = seen.draw.points(choice::LAMP + number, directions).filter_map(|place| {
             let Illumination { to_light, distance, colour } = light.sample(seen.place, place)?;
-            let brings = seen.weight * colour * seen.scatter.respond(to_light) / f64::from(directions);
+            let passes = self.passes(light.casts_shadow(), seen.place, (to_light, distance));
+            let response = seen.scatter.respond(to_light);
+            let brings = seen.weight * colour * response / f64::from(directions);
             let is_lit = to_light.dot(seen.normal) > 0.0 && brings.max_element() > 0.0;
             let ray = seen.ray((to_light, distance), brings);
-            is_lit.then_some(Wish { ray, brings })
+            is_lit.then_some(Wish { ray, brings, passes })
         });
         asked.add(lit, |wishes| Estimate {
             sample: seen.sample,
@@ -158,8 +194,9 @@ impl<'s, 'p> Lamps<'s, 'p> {
             response += highlight.map_or(0.0, |h| h.respond(look.direction));
             let light = environment.light(seen.place, look.direction);
             let weight = 1.0 / (PI * look.density * f64::from(directions));
+            let passes = self.passes(true, seen.place, (look.direction, f64::INFINITY));
             let brings = seen.weight * light * response * weight;
-            Some(Wish { ray: seen.ray((look.direction, f64::INFINITY), brings), brings })
+            Some(Wish { ray: seen.ray((look.direction, f64::INFINITY), brings), brings, passes })
         });
         let whole = environment.on_matt(seen.normal).filter(|_| highlight.is_none());
         asked.add(lit, |wishes| Estimate {
@@ -169,6 +206,59 @@ impl<'s, 'p> Lamps<'s, 'p> {
             whole: whole.map(|light| seen.weight * light * diffuse),
             by_chance: true,
         });
+    }
+
+    /// Asks for the light that a piece of a ray in a volume sends back; what the ambient light brings, it has at once.
+    ///
+    /// It looks at one place on each lamp, and in one direction to the sky.
+    pub(crate) fn ask_in_volume(&self, wishes: &mut Wishes, lit: &Lit<'_>, known: &mut Known) -> Rgb {
+        let lighting = self.prepared.scene.lighting();
+        wishes.asked.resize_with(lighting.lights.len() + 1, Asked::default);
+        let middle = lit.at(0.5 * (lit.piece.from + lit.piece.to));
+        known.0.resize(lighting.lights.len(), None);
+        let lights = lighting.lights.iter().zip(&mut known.0).zip(&mut wishes.asked);
+        for (number, ((light, known), asked)) in (0..).zip(lights) {
+            let found = light.sample(middle, lit.draw.point(choice::LAMP + number));
+            let Some(Illumination { to_light, distance, colour }) = found else { continue };
+            // A white, matt surface scatters a share of 1 / π.
+            let brings =
+                colour * PI * self.lit(lit, (to_light, distance), light.casts_shadow().then_some(known));
+            asked.add_from(lit, middle, (to_light, distance), (brings, light.is_area()));
+        }
+        if let (Some(environment), Some(asked)) = (self.sky.environment(), wishes.asked.last_mut()) {
+            let direction = sphere(lit.draw.point(choice::SKY));
+            let towards = (direction, f64::INFINITY);
+            let brings =
+                environment.light(middle, direction) * (4.0 * PI) * self.lit(lit, towards, Some(&mut None));
+            asked.add_from(lit, middle, towards, (brings, true));
+        }
+        lit.weight * lighting.ambient * lit.flakes.albedo() * -(-lit.piece.depth).exp_m1()
+    }
+
+    /// What a piece sends back of light of a direction, if no solid is in its way, per irradiance. A lamp that throws shadows
+    /// has a depth that may be known.
+    fn lit(
+        &self,
+        lit: &Lit<'_>,
+        (to_light, distance): (DVec3, f64),
+        known: Option<&mut Option<KnownDepth>>,
+    ) -> Rgb {
+        let depths = known.map_or([0.0; 2], |known| {
+            let depth = |t: f64| self.prepared.volumes.depth(lit.at(t), to_light, distance);
+            let [near, far] = lit.piece.ends();
+            // Where light runs along the faces of cells, the two sides of a face are different columns.
+            let is_oblique = to_light.abs().min_element() > 1e-6;
+            let is_same = |k: &KnownDepth| k.t == lit.piece.from && k.to_light == to_light && is_oblique;
+            let depths = [known.filter(is_same).map_or_else(|| depth(near), |k| k.depth), depth(far)];
+            *known = Some(KnownDepth { t: lit.piece.to, to_light, depth: depths[1] });
+            depths
+        });
+        lit.weight * lit.flakes.respond(to_light) * lit_share(lit.piece.depth, depths)
+    }
+
+    /// What volumes leave of light on its way.
+    fn passes(&self, casts_shadow: bool, place: DVec3, (to_light, distance): (DVec3, f64)) -> f64 {
+        if casts_shadow { self.prepared.volumes.transmittance(place, to_light, distance) } else { 1.0 }
     }
 
     /// How many places of so many that are asked for a surface looks at, if it sends back this share of the light.
@@ -224,6 +314,21 @@ impl Seen<'_> {
 }
 
 impl Asked {
+    /// The wish of a piece of a ray in a volume, from its middle.
+    fn add_from(
+        &mut self,
+        lit: &Lit<'_>,
+        origin: DVec3,
+        (direction, distance): (DVec3, f64),
+        (brings, by_chance): (Rgb, bool),
+    ) {
+        let (worth, seed) = (brings.max_element(), derive(lit.draw.seed, lit.draw.index));
+        let wish = Wish { ray: ShadowRay { origin, direction, distance, worth, seed }, brings, passes: 1.0 };
+        let estimate =
+            |wishes| Estimate { sample: lit.sample, wishes, directions: 1, whole: None, by_chance };
+        self.add((worth > 0.0).then_some(wish).into_iter(), estimate);
+    }
+
     fn add(&mut self, wishes: impl Iterator<Item = Wish>, estimate: impl FnOnce(usize) -> Estimate) {
         let before = self.wishes.len();
         self.wishes.extend(wishes);
@@ -240,6 +345,7 @@ impl Estimate {
         let (mut came, mut all, mut squares) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         let (mut some_blocked, mut some_came) = (false, false);
         for (wish, &left) in wishes.iter().zip(left) {
+            let left = left * wish.passes;
             let light = wish.brings * left;
             came += light;
             all += wish.brings;

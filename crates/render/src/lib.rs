@@ -1,8 +1,8 @@
 //! The CPU integrator of Fieldstone.
 //!
 //! [`render`] draws a resolved [`Scene`](fieldstone_scene::Scene) tile by tile on all cores. Everything that light
-//! does goes through two queries of the scene: the nearest surface along a ray, and the volume segments before it (of
-//! which there are none yet). A first pass looks through the centre of every pixel; a second takes more samples where
+//! does goes through two queries of the scene: the nearest surface along a ray, and the pieces of it in volumes
+//! of texels before that. A first pass looks through the centre of every pixel; a second takes more samples where
 //! neighbours differ.
 //!
 //! A [`Viewer`] draws distances and normals only, frame after frame, without preparing the scene again.
@@ -28,6 +28,7 @@ mod sight;
 mod sky;
 mod slice;
 mod tile;
+mod volumes;
 
 pub use sight::{Sight, Viewer};
 pub use slice::{

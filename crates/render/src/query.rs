@@ -7,6 +7,7 @@ use crate::hierarchy::Hierarchy;
 use crate::instances::hierarchy_of;
 use crate::object::{Object, Sought};
 use crate::owner::Bracket;
+use crate::volumes::Volumes;
 use fieldstone_field::{F64, Gradients, LANES, Points, Workspace};
 use fieldstone_scene::{Appearance, Instance, Scene};
 use fieldstone_space::{OctreeMemory, Walker};
@@ -21,6 +22,7 @@ pub(crate) struct Prepared<'s> {
     pub(crate) hierarchy: Option<Hierarchy>,
     /// Which instances are moved.
     pub(crate) moved: Vec<bool>,
+    pub(crate) volumes: Volumes<'s>,
 }
 
 /// The nearest surface along a ray.
@@ -58,9 +60,6 @@ pub(crate) struct Answer {
     pub(crate) certificate: Certificate,
     pub(crate) cost: u32,
 }
-
-/// The volume segments before the nearest surface: texels will fill them.
-pub(crate) struct Segments;
 
 /// What a thread needs to ask.
 #[derive(Default)]
@@ -110,8 +109,10 @@ impl<'s> Prepared<'s> {
             parts += solid.parts().len();
             Object::new((solid, first), scene, memory, former.get(i))
         });
+        let objects = objects.collect();
         let moved = scene.instances().iter().map(|instance| !instance.is_unmoved()).collect();
-        Self { scene, objects: objects.collect(), hierarchy: hierarchy_of(scene), moved }
+        let volumes = Volumes::new(scene, parts);
+        Self { scene, objects, hierarchy: hierarchy_of(scene), moved, volumes }
     }
 
     /// The nearest surface along each ray; rays are a unit direction from an origin, which may lie inside of solids.
@@ -134,11 +135,6 @@ impl<'s> Prepared<'s> {
     pub(crate) fn blocked(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)], distances: &[f64]) -> Vec<bool> {
         let question = Question { rays, furthest: Some(distances), sought: Sought::AnyBlocker };
         self.ask(asker, &question).iter().map(|answer| answer.surface.is_some()).collect()
-    }
-
-    /// The volume segments along a ray before `_t`.
-    pub(crate) fn segments(&self, _ray: &(DVec3, DVec3), _t: f64) -> Segments {
-        Segments
     }
 
     fn ask(&self, asker: &mut Asker, question: &Question<'_>) -> Vec<Answer> {

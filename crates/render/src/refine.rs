@@ -59,9 +59,10 @@ fn differ(a: &Pixel, b: &Pixel) -> bool {
     if a.part < 0.0 && a.alpha == 0.0 && b.alpha == 0.0 {
         return false;
     }
-    // There is no normal where an environment or a lamp is seen.
+    // There is no normal where an environment, a lamp or a volume is seen.
+    let has_normal = [a, b].iter().any(|pixel| pixel.normal != [0.0; 3]);
     let normals: f32 = a.normal.iter().zip(b.normal).map(|(p, q)| p * q).sum();
-    let crease = a.part >= 0.0 && normals < 0.9;
+    let crease = a.part >= 0.0 && has_normal && normals < 0.9;
     let cover = (a.alpha - b.alpha).abs() > 0.15;
     let (a, b) = (colour(a), colour(b));
     let brightest = a.max(b) + glam::DVec3::splat(0.02);

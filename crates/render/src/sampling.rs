@@ -136,6 +136,14 @@ pub(crate) fn cosine_hemisphere(square: (f64, f64)) -> glam::DVec3 {
     glam::DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
 }
 
+/// A direction of the sphere, all alike.
+pub(crate) fn sphere((u, v): (f64, f64)) -> glam::DVec3 {
+    let z = 2.0 * u - 1.0;
+    let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    glam::DVec3::new(radius * cos, radius * sin, z)
+}
+
 /// The direction at a height z above the plane of x and y, `turn` of the way around.
 pub(crate) fn at_height(z: f64, turn: f64) -> glam::DVec3 {
     let radius = (1.0 - z * z).max(0.0).sqrt();

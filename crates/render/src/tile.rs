@@ -317,12 +317,17 @@ fn to_pixel(sample: &Sample) -> Pixel {
         cost: answer.cost as f32,
         ..Pixel::MISS
     };
-    answer.surface.map_or(seen, |surface| Pixel {
-        depth: surface.t as f32,
-        normal: sample.normal.as_vec3().to_array(),
-        part: surface.part as f32,
-        ..seen
-    })
+    match (sample.volume, answer.surface) {
+        // A volume has no normal.
+        (Some((depth, part)), _) => Pixel { depth: depth as f32, part: part as f32, ..seen },
+        (None, Some(surface)) => Pixel {
+            depth: surface.t as f32,
+            normal: sample.normal.as_vec3().to_array(),
+            part: surface.part as f32,
+            ..seen
+        },
+        (None, None) => seen,
+    }
 }
 
 /// The colour of a pixel, linear RGB.

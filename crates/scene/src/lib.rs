@@ -1,13 +1,14 @@
 //! What there is to draw, resolved; cameras, lights, film.
 //!
 //! A [`Scene`] is plain data about which nothing needs to be checked again:
-//! - there is at least one [`Solid`]; its [`Bounds`] are finite and have a positive extent along every axis;
-//! - there is at least one [`Instance`]; each is of a solid of the scene and can be moved back;
+//! - there is at least one [`Solid`] or [`TexelBox`]; its [`Bounds`] are finite and have a positive extent along every axis;
+//! - where there is a solid, there is an [`Instance`]; each is of a solid of the scene and can be moved back;
 //! - a [`Ball`] that a solid is clipped to has a finite centre and a positive radius;
 //! - attributes that parts, shares, textures and conditions refer to exist; trees name parts that exist;
 //! - the numbers of a [`Material`] are in their ranges;
 //! - the [`Camera`]'s axes are orthonormal, its field of view lies between 0 and π, its height is positive;
 //! - directions to [`Light`]s are unit vectors, colours are finite and not negative;
+//! - a [`TexelBox`] can be moved back, its density is positive, and it is repeated along cyclic axes alone;
 //! - the image has at least one pixel and at most [`MAX_PIXELS`], and at least one sample a pixel;
 //! - steps and tolerances are positive and at most [`MAX_LENGTH`], and steps at least [`MIN_STEP`].
 //!
@@ -25,6 +26,7 @@ mod light;
 mod material;
 mod scene;
 mod solid;
+mod texels;
 mod text;
 mod tone;
 
@@ -41,4 +43,5 @@ pub use scene::{
     MAX_BOUNCES, MAX_LENGTH, MAX_PIXELS, MAX_SAMPLES, MIN_STEP, Method, Scene, SceneError, Settings,
 };
 pub use solid::{Blended, Condition, Instance, NORMAL_INPUTS, Part, Solid, Tree};
+pub use texels::{MAX_REPEATS, TexelBox};
 pub use tone::{ExposureError, Tone, ToneCurve};

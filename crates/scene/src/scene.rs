@@ -4,6 +4,7 @@ use crate::bounds::Bounds;
 use crate::camera::Camera;
 use crate::light::Lighting;
 use crate::solid::{Instance, Solid};
+use crate::texels::TexelBox;
 use crate::text::Number;
 use crate::tone::Tone;
 use glam::DVec3;
@@ -30,7 +31,7 @@ pub const MAX_SAMPLES: u32 = 4096;
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum SceneError {
     /// Nothing to draw.
-    #[error("a scene needs a solid")]
+    #[error("a scene needs a solid or a volume of texels")]
     NoSolid,
     /// A solid refers to attributes that its field does not have.
     #[error("{what} needs {needed} attributes, the field has {found}")]
@@ -199,6 +200,7 @@ impl Settings {
 pub struct Scene {
     solids: Vec<Solid>,
     instances: Vec<Instance>,
+    texels: Vec<TexelBox>,
     camera: Camera,
     lighting: Lighting,
     settings: Settings,
@@ -237,17 +239,44 @@ impl Scene {
             return Err(SceneError::Instance(i, "is of a solid that is not there"));
         }
         settings.check()?;
-        Ok(Self { solids, instances, camera, lighting, settings })
+        Ok(Self { solids, instances, texels: Vec::new(), camera, lighting, settings })
     }
 
-    /// The solids, at least one.
+    /// A scene of volumes of texels alone.
+    ///
+    /// # Errors
+    /// No volume, or settings out of their range.
+    pub fn of_texels(
+        texels: Vec<TexelBox>,
+        camera: Camera,
+        lighting: Lighting,
+        settings: Settings,
+    ) -> Result<Self, SceneError> {
+        if texels.is_empty() {
+            return Err(SceneError::NoSolid);
+        }
+        settings.check()?;
+        Ok(Self { solids: Vec::new(), instances: Vec::new(), texels, camera, lighting, settings })
+    }
+
+    /// The same with volumes of texels in it, instead of those that it has; without any, a scene of volumes alone stays as it is.
+    pub fn with_texels(self, texels: Vec<TexelBox>) -> Self {
+        if texels.is_empty() && self.solids.is_empty() { self } else { Self { texels, ..self } }
+    }
+
+    /// The solids.
     pub fn solids(&self) -> &[Solid] {
         &self.solids
     }
 
-    /// Where the solids stand, at least one.
+    /// Where the solids stand.
     pub fn instances(&self) -> &[Instance] {
         &self.instances
+    }
+
+    /// The volumes of texels.
+    pub fn texels(&self) -> &[TexelBox] {
+        &self.texels
     }
 
     /// The camera.
@@ -283,11 +312,11 @@ impl Scene {
         self.camera.lens_ray((x / f64::from(width), y / f64::from(height)), self.aspect(), lens)
     }
 
-    /// The smallest box around the bounds of all instances, in world space.
+    /// The smallest box around the bounds of all instances and volumes, in world space.
     pub fn bounds(&self) -> Bounds {
-        let bounds = |instance: &Instance| instance.world_bounds(self.solids[instance.solid()].bounds());
-        let first = bounds(&self.instances[0]);
-        self.instances[1..].iter().fold(first, |all, instance| all.union(&bounds(instance)))
+        let of_instance = |i: &Instance| i.world_bounds(self.solids[i.solid()].bounds());
+        let boxes = self.instances.iter().map(of_instance).chain(self.texels.iter().map(TexelBox::bounds));
+        boxes.reduce(|all, bounds| all.union(&bounds)).expect("a scene holds a solid or a volume of texels")
     }
 }
 

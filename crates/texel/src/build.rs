@@ -182,8 +182,9 @@ struct Rise {
 impl Rise {
     /// All levels below `top` of the cells of one block, and the node that joins them.
     fn block(self, cells: &[(u64, Packed)], top: u32) -> (Vec<Level>, Node) {
+        let width = f64::from(self.edge).recip();
         let leaf = |&(key, packed): &(u64, Packed)| {
-            let joined = Joined::leaf(&packed.texel(), self.mode);
+            let joined = Joined::leaf(&packed.texel(), self.mode, width);
             Node { key, joined, even: Some(packed), parts: 0 }
         };
         let mut nodes: Vec<Node> = cells.iter().map(leaf).collect();

@@ -9,6 +9,10 @@
 //! **`Neyret1995`.** The inverse quadratic form A = Q⁻¹ is the mean weighted by density, with every form normalised
 //! to a mean apparent area of 1 along its three axes; the density is the mean; depths follow from the two, so that
 //! opaque things thin out. Q⁻¹ of flat or thin shapes has no bound: S is first raised by 10⁻⁴ of its trace.
+//!
+//! The densities of the two are not the same: in the paper it is a probability of occlusion, here the amount of surface. The
+//! inside of a solid has much of the one and nothing of the other. Those of 1995 therefore come from the depths of
+//! the finest cells, where an opaque cell counts as an optical depth of [`OPAQUE`].
 
 use crate::symmetric::adjugate;
 use crate::texel::MAX_DEPTH;
@@ -46,13 +50,27 @@ enum Columns {
     Each(Box<[f32]>),
 }
 
+/// The optical depth that an opaque cell counts as by the rules of 1995.
+const OPAQUE: f64 = 5.0;
+
+/// The density by the rules of 1995 of a cell of the finest level: the extinction that its depths speak of.
+fn occlusion(texel: &Texel, width: f64) -> f32 {
+    let hidden: f64 = texel.depth.iter().map(|depth| f64::from(*depth).min(OPAQUE)).sum();
+    let seen: f64 = DVec3::AXES.iter().map(|w| texel.flakes.projected_area(*w)).sum();
+    if seen > 0.0 { (hidden / (seen * width)) as f32 } else { 0.0 }
+}
+
 impl Joined {
-    pub(crate) fn leaf(texel: &Texel, mode: Mode) -> Self {
-        let shape = match mode {
-            Mode::Sggx => texel.flakes.entries(),
-            Mode::Neyret1995 => Sggx::from_matrix(inverse_form(&texel.flakes)).entries(),
+    /// A cell of the finest level, of the given `width`.
+    pub(crate) fn leaf(texel: &Texel, mode: Mode, width: f64) -> Self {
+        let (density, shape) = match mode {
+            Mode::Sggx => (texel.density, texel.flakes.entries()),
+            Mode::Neyret1995 => {
+                let form = inverse_form(&texel.flakes);
+                (occlusion(texel, width), Sggx::from_matrix(form).entries())
+            }
         };
-        let Texel { density, albedo, gloss, depth, .. } = *texel;
+        let Texel { albedo, gloss, depth, .. } = *texel;
         Self { density, albedo, gloss, shape, columns: Columns::Even(depth) }
     }
 

@@ -11,6 +11,7 @@
 
 use crate::texel::MAX_DEPTH;
 use crate::{Sggx, Texel};
+use glam::DVec3;
 use std::sync::LazyLock;
 
 /// A texel as it is stored.
@@ -92,6 +93,19 @@ impl Packed {
         Self([low, high])
     }
 
+    /// The extinction of what was packed along `w`, per unit of length in a cell of the given `width`: that of
+    /// [`Texel::extinction`], without a texel in between.
+    pub(crate) fn extinction(self, w: DVec3, width: f64) -> f64 {
+        let [low, high] = self.0;
+        let seen = |axis: usize, shift: u32| w[axis] * f64::from(DEPTHS[(high >> shift & 4095) as usize]);
+        let [x, y, z] = [seen(0, 28), seen(1, 40), seen(2, 52)];
+        // What has no projected area along an axis is not tied to others.
+        let [a, b, c] = [low & 255 != 0, low >> 8 & 255 != 0, low >> 16 & 255 != 0];
+        let tied = |is_so: bool, shift: u32| if is_so { f64::from(from_signed(low >> shift)) } else { 0.0 };
+        let mixed = x * y * tied(a && b, 24) + x * z * tied(a && c, 32) + y * z * tied(b && c, 40);
+        (x * x + y * y + z * z + 2.0 * mixed).max(0.0).sqrt() / width
+    }
+
     /// What was packed.
     pub(crate) fn texel(self) -> Texel {
         let [low, high] = self.0;
@@ -167,6 +181,22 @@ mod tests {
             assert!(((-read.depth[2]).exp() - (-depth).exp()).abs() <= 0.0008);
         }
         assert_eq!(through(&Texel::default()).depth, [0.0; 3]);
+    }
+
+    #[test]
+    fn extinctions_are_those_of_what_is_unpacked() {
+        for (turn, size) in numbers(500).zip(numbers(1000).skip(500)) {
+            let axes =
+                DMat3::from_quat(DQuat::from_rotation_z(7.0 * turn.x) * DQuat::from_rotation_x(5.0 * turn.y))
+                    * DMat3::from_diagonal(size);
+            let packed = Packed::new(&Texel::even(30.0, Sggx::ellipsoid(axes), 0.25));
+            for w in numbers(20).map(|v| v - 0.5) {
+                let (found, expected) = (packed.extinction(w, 0.25), packed.texel().extinction(w, 0.25));
+                assert!((found - expected).abs() <= 1e-5 * expected, "{found} {expected}");
+            }
+        }
+        let flat = Packed::new(&Texel::even(3.0, Sggx::from_entries([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 1.0));
+        assert_eq!(flat.extinction(DVec3::Y, 1.0), 0.0);
     }
 
     #[test]

@@ -31,7 +31,7 @@ mod strands;
 pub use field::{BakeOptions, Inside, Painter, bake};
 pub use files::MAX_FILE_BYTES;
 pub use hypertexture::{HypertextureOptions, add_hypertexture};
-pub use mesh::{Mesh, MeshOptions, add_mesh, read_mesh};
+pub use mesh::{Body, Mesh, MeshOptions, add_mesh, read_mesh};
 pub use noise::{Noise, gradient_noise};
 pub use particles::{Particle, ParticleOptions, add_particles, read_particles};
 pub use scan::{Knot, MAX_NUMBERS, Scan, ScanError, ScanOptions, add_scan, read_nifti};
@@ -195,8 +195,8 @@ mod tests {
     fn options_are_read_from_toml() {
         let bake: BakeOptions = toml::from_str("roughness = 0.3\ninside = \"full\"").unwrap();
         assert_eq!(bake, BakeOptions { roughness: 0.3, inside: Inside::Full, open: false });
-        let mesh: MeshOptions = toml::from_str("closed = true\npaint = { albedo = [1, 0, 0] }").unwrap();
-        assert_eq!((mesh.closed, mesh.paint.albedo), (true, [1.0, 0.0, 0.0]));
+        let mesh: MeshOptions = toml::from_str("body = \"sheets\"\npaint = { albedo = [1, 0, 0] }").unwrap();
+        assert_eq!((mesh.body, mesh.paint.albedo), (Body::Sheets, [1.0, 0.0, 0.0]));
         let strands: StrandOptions = toml::from_str("bounds = [[0, 0, 0], [1, 1, 1]]").unwrap();
         assert_eq!(strands.bounds, Some([[0.0; 3], [1.0; 3]]));
         let scan: ScanOptions = toml::from_str("transfer = [{ value = 1, density = 2 }]").unwrap();

@@ -9,11 +9,14 @@ pub const MAX_DEPTH: f32 = 20.0;
 /// What fills a cell, at any level.
 ///
 /// A cell is what rays see of it ([`Texel::depth`]) and what light does there (`flakes`, `albedo`, `gloss`). The
-/// `density` says how much there is: it weighs a cell when cells are joined, and is the extinction of the mode of 1995.
+/// `density` says how much surface there is: it weighs a cell when cells are joined. All sources and the painter keep to this: the
+/// inside of a solid stops all light and has a density of 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Texel {
-    /// Extinction for flakes of a mean projected area of 1, per unit of length (the volume's edge), ≥ 0: along w the
-    /// extinction of an evenly filled cell is density · σ(w).
+    /// The area of the surfaces inside, projected and in the mean over all directions, per unit of volume, ≥ 0. Where they lie about
+    /// by chance that is the extinction, per unit of length (the volume's edge): along w that of an evenly
+    /// filled cell is density · σ(w). Above the finest level of a volume of the rules of 1995 it is the mean extinction that
+    /// the depths of the finest level speak of.
     pub density: f32,
     /// Optical depth straight across the cell along x, y and z: −ln of the transmittance in the mean over the
     /// cell's face, from 0 to [`MAX_DEPTH`]. Unlike the density it knows how the content is spread over the face: an

@@ -9,6 +9,7 @@
 //! of 1995 (F. Neyret, Graphics Interface 1995), but with two levels blended. A whole number asks for one level alone, as in
 //! the paper.
 
+use crate::pack::Packed;
 use crate::{Texel, Volume};
 use glam::DVec3;
 
@@ -123,11 +124,16 @@ impl Volume {
     /// The optical depth of `ray` from `span.0` to `span.1`: −ln of what passes. It is no longer added up where it has
     /// passed 20.
     pub fn depth_along<F: Fn(f64) -> f32>(&self, ray: &Ray, span: (f64, f64), level: F) -> f64 {
+        let mut walk = Walk::new(self, ray, span);
         let mut depth = 0.0;
-        for segment in self.segments(ray, span, level) {
-            depth += segment.depth(ray);
-            if depth > OPAQUE {
-                break;
+        while let Some(from) = walk.here() {
+            let extinction = walk.extinction(level(from), ray.direction);
+            let to = walk.cross();
+            if extinction > 0.0 && to > from {
+                depth += extinction * (to - from);
+                if depth > OPAQUE {
+                    break;
+                }
             }
         }
         depth
@@ -239,26 +245,34 @@ impl<'v> Walk<'v> {
 
     /// What there is, at a level.
     fn look(&mut self, level: f32) -> ([Layer; 2], usize) {
-        let top = self.cursor.volume.levels() - 1;
-        let level = level.max(0.0).min(top as f32);
-        let (fine, blend) = (level as u32, f64::from(level.fract()));
-        let found = self.cursor.seek(self.cell, fine);
-        self.level = found.level;
+        let places = self.places(level);
         let mut layers = [Layer::default(); 2];
         let mut count = 0;
-        let mut add = |at: u32, index: u32, share: f64| {
-            layers[count] = self.cursor.layer(at, index, share);
+        for place in places.into_iter().flatten() {
+            layers[count] = self.cursor.layer(place);
             count += 1;
-        };
-        // Where nothing changes in a greater cell, both levels are the same.
-        let differ = blend > 0.0 && found.level == fine;
-        if let Some(index) = found.index {
-            add(found.level, index, if differ { 1.0 - blend } else { 1.0 });
-        }
-        if differ {
-            add(fine + 1, self.cursor.path[fine as usize + 1], blend);
         }
         (layers, count)
+    }
+
+    /// The extinction of what there is at a level along a direction, per unit of t.
+    fn extinction(&mut self, level: f32, direction: DVec3) -> f64 {
+        let places = self.places(level);
+        places.into_iter().flatten().map(|place| self.cursor.extinction(place, direction)).sum()
+    }
+
+    /// The stored cells that say what there is at a level: one or two, or none where it is empty.
+    fn places(&mut self, level: f32) -> [Option<Place>; 2] {
+        let top = self.cursor.volume.levels() - 1;
+        let level = level.max(0.0).min(top as f32);
+        let (fine, blend) = (level as u32, f64::from(level - level.floor()));
+        let found = self.cursor.seek(self.cell, fine);
+        self.level = found.level;
+        // Where nothing changes in a greater cell, both levels are the same.
+        let differ = blend > 0.0 && found.level == fine;
+        let share = if differ { 1.0 - blend } else { 1.0 };
+        let coarse = || Place { level: fine + 1, index: self.cursor.path[fine as usize + 1], share: blend };
+        [found.index.map(|index| Place { level: found.level, index, share }), differ.then(coarse)]
     }
 
     /// Goes on to the next cell; where the ray leaves this one.
@@ -320,6 +334,15 @@ struct Cursor<'v> {
     lowest: u32,
 }
 
+/// A stored cell that is looked at.
+#[derive(Clone, Copy)]
+struct Place {
+    level: u32,
+    index: u32,
+    /// How much its level counts, 0 to 1.
+    share: f64,
+}
+
 /// What a cursor came upon.
 struct Region {
     /// The level of the cell in which nothing changes.
@@ -360,11 +383,21 @@ impl<'v> Cursor<'v> {
         Region { level: at, index: Some(index) }
     }
 
-    fn layer(&self, level: u32, index: u32, share: f64) -> Layer {
+    fn layer(&self, place: Place) -> Layer {
+        let (packed, width) = self.content(place);
+        Layer { texel: packed.texel(), width, share: place.share }
+    }
+
+    fn extinction(&self, place: Place, direction: DVec3) -> f64 {
+        let (packed, width) = self.content(place);
+        place.share * packed.extinction(direction, width)
+    }
+
+    /// What is stored in a place, and the width of the cell that its depths are for.
+    fn content(&self, Place { level, index, .. }: Place) -> (Packed, f64) {
         let stored = &self.volume.levels[level as usize];
         // An evenly filled cell holds what fills the finest ones.
         let even = level > 0 && stored.parts[index as usize] == 0;
-        let width = self.volume.cell_width(if even { 0 } else { level });
-        Layer { texel: stored.texels[index as usize].texel(), width, share }
+        (stored.texels[index as usize], self.volume.cell_width(if even { 0 } else { level }))
     }
 }

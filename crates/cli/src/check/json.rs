@@ -3,7 +3,7 @@
 
 use fieldstone::{
     Bindings, Diagnostic, Diagnostics, Document, Extent, FileSign, FoundBounds, Input, Inputs, Loaded, Model,
-    Projection, ResolvedDocument, Severity, Solid, Source, UpAxis,
+    Projection, ResolvedDocument, Severity, Solid, Source, TexelBox, UpAxis,
 };
 use serde::Serialize;
 
@@ -68,6 +68,7 @@ pub(super) struct SceneReport {
     /// The names of the parameters.
     parameters: Vec<String>,
     objects: Vec<SceneObject>,
+    texels: Vec<SceneTexels>,
     lights: usize,
     environment: bool,
     bounds: SceneBounds,
@@ -85,6 +86,15 @@ struct SceneObject {
     parts: Vec<String>,
     conditions: usize,
     copies: usize,
+}
+
+#[derive(Serialize)]
+struct SceneTexels {
+    name: String,
+    edge: u32,
+    /// Filled cells of the finest level.
+    filled: u64,
+    filter: &'static str,
 }
 
 #[derive(Serialize)]
@@ -162,6 +172,12 @@ impl SceneReport {
             conditions: solid.conditions().len(),
             copies,
         };
+        let texels = |(name, texels): (&String, &TexelBox)| SceneTexels {
+            name: name.clone(),
+            edge: texels.volume().edge(),
+            filled: texels.volume().size().filled,
+            filter: crate::texel::name(texels.volume().mode()),
+        };
         let (bounds, camera, settings) = (scene.bounds(), scene.camera(), scene.settings());
         let (fov, ortho) = match camera.projection() {
             Projection::Perspective { vertical_fov_radians } => {
@@ -179,6 +195,7 @@ impl SceneReport {
             source: document.source().name.clone(),
             parameters: document.parameter_names().map(str::to_owned).collect(),
             objects: found.objects.iter().zip(scene.solids()).zip(copies).map(object).collect(),
+            texels: found.volumes.iter().zip(scene.texels()).map(texels).collect(),
             lights: scene.lighting().lights.len(),
             environment: scene.lighting().environment.is_some(),
             bounds: SceneBounds { min: bounds.min().to_array(), max: bounds.max().to_array() },

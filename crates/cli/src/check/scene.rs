@@ -3,7 +3,7 @@
 use super::numbers;
 use crate::arguments::CheckArguments;
 use crate::failure::Failure;
-use fieldstone::{Bounds, Document, FileAccess, Projection, ResolvedDocument, Solid};
+use fieldstone::{Bounds, Document, FileAccess, Projection, ResolvedDocument, Solid, TexelBox};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -20,6 +20,7 @@ pub(super) fn report(document: &Document, found: &ResolvedDocument) -> String {
     let mut lines: Vec<(&str, String)> =
         document.parameter_names().map(|name| ("parameter", name.to_owned())).collect();
     lines.extend(objects(found));
+    lines.extend(volumes(found));
     let scene = &found.resolved.scene;
     let lighting = scene.lighting();
     let around = if lighting.environment.is_some() { ", and an environment" } else { "" };
@@ -66,6 +67,16 @@ fn objects(found: &ResolvedDocument) -> Vec<(&'static str, String)> {
         ("object", text)
     };
     found.objects.iter().zip(scene.solids()).enumerate().map(line).collect()
+}
+
+fn volumes(found: &ResolvedDocument) -> Vec<(&'static str, String)> {
+    let line = |(name, texels): (&String, &TexelBox)| {
+        let volume = texels.volume();
+        let filter = crate::texel::name(volume.mode());
+        let cells = volume.size().filled;
+        ("texels", format!("{name}: {} cells along an edge, {cells} filled, filter {filter}", volume.edge()))
+    };
+    found.volumes.iter().zip(found.resolved.scene.texels()).map(line).collect()
 }
 
 fn bounds(bounds: &Bounds) -> String {

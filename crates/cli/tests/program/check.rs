@@ -113,7 +113,9 @@ fn every_field_is_documented_and_every_documented_field_is_there() {
     let mut found = BTreeSet::new();
     fields(&json(&place, &["check", "good.hf", "--json", "--object=tick"], 0), "", &mut found);
     fields(&json(&place, &["check", "bad.hf", "--json"], 1), "", &mut found);
-    place.file("scene.toml", "[solids]\nball = \"x^2 + y^2 + z^2 - 1\"\n");
+    place.file("tuft.toml", "edge = 8\n[[shapes]]\nhair = { height = 0.8, radius = 0.1 }\n");
+    let scene = "[solids]\nball = \"x^2 + y^2 + z^2 - 1\"\n[[texels]]\nrecipe = \"tuft.toml\"\n";
+    place.file("scene.toml", scene);
     fields(&json(&place, &["check", "scene.toml", "--json"], 0), "", &mut found);
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/check-json.md");
     let page = std::fs::read_to_string(page).unwrap();

@@ -34,6 +34,51 @@ fn a_lawn_is_built_told_of_compared_and_cut() {
 }
 
 #[test]
+fn a_volume_is_drawn_in_a_scene_by_every_method() {
+    let place = Place::new();
+    place.file("lawn.toml", LAWN);
+    assert_eq!(place.run(&["texel", "build", "lawn.toml", "-o", "lawn.texel", "-q"], "").code, 0);
+    let scene = |source: &str| {
+        format!(
+            "[[texels]]\n{source}\nrepeat = [2, 2, 1]\n[solids.ball]\nformula = \"(x - 1)^2 + (y - 1)^2 + (z - 0.5)^2 - 0.1\"\n"
+        )
+    };
+    place.file("file.toml", &scene("file = \"lawn.texel\""));
+    place.file("recipe.toml", &scene("recipe = \"lawn.toml\""));
+    let check = place.run(&["check", "file.toml"], "");
+    assert!(check.out.contains("texels     lawn: 32 cells along an edge"), "{}", check.out);
+    for (scene, method) in [
+        ("file.toml", "affine"),
+        ("recipe.toml", "affine"),
+        ("file.toml", "interval"),
+        ("file.toml", "sampled"),
+    ] {
+        let output = format!("{method}-{scene}.png");
+        let run = place.run(&["render", scene, "--method", method, "--size", "32x32", "-o", &output], "");
+        assert_eq!(run.code, 0, "{}", run.err);
+    }
+    let picture = |name: &str| image::open(place.path(name)).unwrap().to_rgb8();
+    assert!(picture("affine-file.toml.png") == picture("affine-recipe.toml.png"));
+    // The background is the same all along a row; the ball alone covers some fifty pixels.
+    let covered = |picture: &image::RgbImage| {
+        picture.enumerate_pixels().filter(|(_, y, pixel)| *pixel != picture.get_pixel(0, *y)).count()
+    };
+    for method in ["affine", "interval", "sampled"] {
+        let count = covered(&picture(&format!("{method}-file.toml.png")));
+        assert!(count > 150, "{method}: {count}");
+    }
+}
+
+#[test]
+fn a_thin_volume_alone_is_no_empty_picture() {
+    let place = Place::new();
+    place.file("mist.toml", "edge = 8\n[[shapes]]\nellipsoid = { radii = [0.3, 0.3, 0.3] }\nat = [0.5, 0.5, 0.5]\ndensity = 0.5\n");
+    place.file("scene.toml", "[[texels]]\nrecipe = \"mist.toml\"\n");
+    let run = place.run(&["render", "scene.toml", "--size", "16x16", "-o", "mist.png"], "");
+    assert_eq!((run.code, run.err.contains("warning")), (0, false), "{}", run.err);
+}
+
+#[test]
 fn the_same_recipe_gives_the_same_bytes() {
     let place = Place::new();
     place.file("lawn.toml", LAWN);

@@ -164,9 +164,15 @@ impl Check {
             match table.entries.iter().find(is_map).filter(|entry| section.key(&entry.key).is_none()) {
                 None => self.section(table, section),
                 Some(map) => {
-                    let message = format!("copies are moved, but not mapped by `{}`", map.key);
+                    let (what, help) = match key {
+                        "transform" => {
+                            ("volumes", "a volume has translate, rotate, reflect, scale and matrix")
+                        }
+                        _ => ("copies", "put it into `transform`, which holds for all copies"),
+                    };
+                    let message = format!("{what} are moved, but not mapped by `{}`", map.key);
                     let error = Diagnostic::error(map.key_span.clone(), message, "no motion");
-                    self.errors.push(error.with_help("put it into `transform`, which holds for all copies"));
+                    self.errors.push(error.with_help(help));
                 }
             }
         }

@@ -5,10 +5,13 @@ use super::tree::Value;
 use crate::endless::{LoopError, settle_loops};
 use crate::inputs::Inputs;
 use crate::load::{LoadError, LoadOptions, Loaded, load};
+use crate::texel::{Recipe, TexelError, load_volume};
+use fieldstone_texel::{Mode, Volume};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// What a scene file may read beside what lies in its folder.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -22,19 +25,31 @@ pub struct FileAccess {
 /// How a model is read.
 pub(super) type ModelKey = (PathBuf, LoadOptions, Option<u32>);
 
+/// What is asked for of the volume of a file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct VolumeKey {
+    /// Whether the file is a recipe.
+    pub(super) is_recipe: bool,
+    /// Cells along an edge, if the recipe does not decide.
+    pub(super) edge: Option<u32>,
+    /// The filter, if the file does not decide.
+    pub(super) mode: Option<Mode>,
+}
+
 /// The files of a scene.
 #[derive(Debug)]
 pub(super) struct Files {
     folder: PathBuf,
     access: FileAccess,
     models: RefCell<Vec<(ModelKey, Rc<Loaded>)>>,
+    volumes: RefCell<Vec<(PathBuf, VolumeKey, Arc<Volume>)>>,
     places: RefCell<HashMap<String, PathBuf>>,
 }
 
 impl Files {
     pub(super) fn new(folder: &Path, access: &FileAccess) -> Self {
-        let (models, places) = Default::default();
-        Self { folder: folder.to_owned(), access: access.clone(), models, places }
+        let (models, volumes, places) = Default::default();
+        Self { folder: folder.to_owned(), access: access.clone(), models, volumes, places }
     }
 
     /// The place of a file that is named at `value`, if it may be read.
@@ -99,10 +114,44 @@ impl Files {
         Ok(loaded)
     }
 
+    /// The volume of a file, read or made once.
+    pub(super) fn volume(&self, value: &Value, wanted: VolumeKey) -> Outcome<Arc<Volume>> {
+        let place = self.place(value)?;
+        let known = |known: &&(PathBuf, VolumeKey, _)| (&known.0, known.1) == (&place, wanted);
+        if let Some((.., volume)) = self.volumes.borrow().iter().find(known) {
+            return Ok(Arc::clone(volume));
+        }
+        let volume = read_volume(&place, wanted).map_err(|error| match error {
+            TexelError::Load(LoadError::Model(diagnostics)) => Fault::Elsewhere(Box::new(diagnostics)),
+            other => value.error(other.to_string(), "this file").into(),
+        })?;
+        let volume = Arc::new(volume);
+        self.volumes.borrow_mut().push((place, wanted, Arc::clone(&volume)));
+        Ok(volume)
+    }
+
     /// The warnings of all models that were read.
     pub(super) fn warnings(&self) -> Vec<String> {
         let models = self.models.borrow();
         models.iter().flat_map(|(_, loaded)| loaded.rendered_warnings().collect::<Vec<_>>()).collect()
+    }
+}
+
+fn read_volume(place: &Path, wanted: VolumeKey) -> Result<Volume, TexelError> {
+    let VolumeKey { is_recipe, edge, mode } = wanted;
+    if is_recipe {
+        let recipe = Recipe::load(place)?;
+        // The edge is a power of two: that was checked where it stands.
+        let recipe = match edge.and_then(|edge| recipe.clone().with_edge(edge).ok()) {
+            Some(with_edge) => with_edge,
+            None => recipe,
+        };
+        return mode.map_or(recipe.clone(), |mode| recipe.with_mode(mode)).build();
+    }
+    let volume = load_volume(place)?;
+    match mode {
+        Some(mode) if mode != volume.mode() => Ok(volume.filtered(mode)?),
+        _ => Ok(volume),
     }
 }
 

@@ -1,8 +1,10 @@
 //! The table of all keys of scene files. Checks, suggestions and the JSON Schema are made from it.
 
 mod space;
+mod texels;
 
 pub(super) use space::{MAPS, MOTION, STEP};
+pub(super) use texels::TEXELS;
 
 /// What a value may be.
 #[derive(Clone, Copy, Debug)]
@@ -514,6 +516,7 @@ pub(super) static SCENE: Section = Section {
         key("fields", Named(&Formula), "Names for functions of x, y, z."),
         key("solids", Named(&Either(&Formula, &Table(&SOLID))), "Solids by name."),
         key("objects", List(&Table(&OBJECT)), "What stands where; default: solids that no other uses."),
+        key("texels", List(&Table(&TEXELS)), "Volumes of texels, and where they stand."),
         key("materials", Named(&Table(&MATERIAL)), "Materials by name."),
         key("lights", List(&Table(&LIGHT)), "Lights; default: two that move with the camera."),
         key("lighting", Table(&LIGHTING), "All light together."),

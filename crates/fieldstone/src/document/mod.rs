@@ -8,6 +8,7 @@
 mod check;
 mod colour;
 mod compose;
+mod copies;
 mod expression;
 mod fault;
 mod files;
@@ -22,6 +23,7 @@ mod object;
 mod operation;
 mod primitive;
 mod schema;
+mod texels;
 mod tree;
 mod unused;
 mod usage;
@@ -90,6 +92,8 @@ pub struct ResolvedDocument {
     pub messages: Vec<String>,
     /// The names of the objects, one for each solid of the scene.
     pub objects: Vec<String>,
+    /// The names of the volumes of texels, one for each in the scene.
+    pub volumes: Vec<String>,
 }
 
 impl Document {
@@ -155,12 +159,17 @@ impl Document {
         let mut stage = object::Stage::new(&numbers);
         stage.fill()?;
         unused::check(&numbers)?;
+        let (texels, volumes) = texels::volumes(&numbers)?;
         let up = if stage.is_y_up() { fieldstone_scene::Up::Y } else { fieldstone_scene::Up::Z };
-        let camera = view::camera(&numbers, request, (&stage.bounds()?, up), settings.size)?;
+        let camera = view::camera(&numbers, request, (&stage.bounds(&texels)?, up), settings.size)?;
         let lighting = light::lighting(&numbers, &camera)?;
         let object::Stage { solids, instances, objects, mut warnings, .. } = stage;
-        let scene = Scene::with_instances(solids, instances, camera, lighting, settings)
-            .map_err(|error| self.fault_of("render", error.to_string()))?;
+        let scene = match solids.is_empty() {
+            true => Scene::of_texels(texels, camera, lighting, settings),
+            false => Scene::with_instances(solids, instances, camera, lighting, settings)
+                .map(|scene| scene.with_texels(texels)),
+        };
+        let scene = scene.map_err(|error| self.fault_of("render", error.to_string()))?;
         if let Some((solid, warning)) = eye::warning(&scene) {
             let name = solid.map_or("camera", |solid| &objects[solid]);
             warnings.push((name.to_owned(), warning));
@@ -169,7 +178,7 @@ impl Document {
             warnings.iter().map(|(name, warning)| format!("warning: {}", warning.of_object(name))).collect();
         messages.extend(self.files.warnings());
         let warnings: Vec<Warning> = warnings.into_iter().map(|(_, warning)| warning).collect();
-        Ok(ResolvedDocument { resolved: Resolved { scene, warnings }, messages, objects })
+        Ok(ResolvedDocument { resolved: Resolved { scene, warnings }, messages, objects, volumes })
     }
 
     /// A fault of a whole table.

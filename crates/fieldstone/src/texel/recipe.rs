@@ -84,7 +84,7 @@ fn read(text: &str) -> Result<Recipe, Diagnostic> {
         let error = Diagnostic::error(0..0, "nothing is painted", "no [[shapes]] and no [[scatters]]");
         return Err(error.with_help("begin with [[shapes]] and ball = { radii = [0.3, 0.3, 0.3] }"));
     }
-    let copies: u64 = read.scatters.iter().map(|scatter| u64::from(scatter.get_ref().count.0)).sum();
+    let copies: u64 = read.scatters.iter().map(|scatter| scatter.get_ref().copies()).sum();
     if let (true, Some(last)) = (copies > MAX_COPIES, read.scatters.last()) {
         let message = format!("{copies} copies are too many, at most {MAX_COPIES} are painted");
         return Err(Diagnostic::error(last.span(), message, "the last scatter"));
@@ -259,11 +259,16 @@ enum FlakesText {
 #[serde(deny_unknown_fields)]
 struct ScatterText {
     shape: Spanned<ShapeText>,
-    count: Count,
+    count: Option<Count>,
+    grid: Option<[Count; 3]>,
     seed: Option<Seed>,
     region: Option<Spanned<[Place; 6]>>,
+    #[serde(default)]
+    round: bool,
     jitter: Option<Share>,
     comb: Option<[Place; 3]>,
+    outward: Option<Place>,
+    spin: Option<Share>,
     lean: Option<Degrees>,
     curl: Option<Degrees>,
     size: Option<Spanned<[Length; 2]>>,
@@ -365,8 +370,25 @@ fn material(text: &ShapeText) -> Material {
     }
 }
 
+impl ScatterText {
+    fn copies(&self) -> u64 {
+        let parts = self.grid.map(|grid| grid.iter().map(|n| u64::from(n.0)).product::<u64>());
+        match (self.count, parts) {
+            (Some(count), Some(parts)) => parts.min(u64::from(count.0)),
+            (Some(count), None) => u64::from(count.0),
+            (None, parts) => parts.unwrap_or(0),
+        }
+    }
+}
+
 fn scatter(read: Spanned<ScatterText>) -> Result<Scatter, Diagnostic> {
+    let span = read.span();
     let text = read.into_inner();
+    let copies = text.copies();
+    if copies == 0 {
+        let error = Diagnostic::error(span, "a scatter has a `count` or a `grid`", "neither is here");
+        return Err(error.with_help("write count = 100, or grid = [4, 4, 1]"));
+    }
     let usual_region = [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)];
     let region = text.region.map_or(Ok(usual_region), |region| {
         let [x0, y0, z0, x1, y1, z1] = region.get_ref().map(|place| place.0);
@@ -390,11 +412,15 @@ fn scatter(read: Spanned<ScatterText>) -> Result<Scatter, Diagnostic> {
     let radians = |angle: Option<Degrees>| angle.map_or(0.0, |degrees| degrees.0.to_radians());
     Ok(Scatter {
         shape: shape(text.shape)?,
-        count: text.count.0,
+        count: u32::try_from(copies).unwrap_or(u32::MAX),
+        round: text.round,
+        grid: text.grid.map(|grid| grid.map(|n| n.0)),
         seed: text.seed.map_or(0, |seed| seed.0),
         region,
         jitter: text.jitter.map_or(1.0, |jitter| jitter.0),
         comb: text.comb.map_or(DVec3::ZERO, vector),
+        outward: text.outward.map_or(0.0, |outward| outward.0),
+        spin: text.spin.map_or(1.0, |spin| spin.0),
         lean: radians(text.lean),
         curl: radians(text.curl),
         size,
@@ -435,6 +461,22 @@ mod tests {
             (16, [true, true, false], Mode::Neyret1995)
         );
         assert!(volume.size().filled > 50 && volume.phong().exponent == 30.0);
+    }
+
+    /// The recipes of the gallery, in small.
+    #[test]
+    fn the_gallery_is_built() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
+        let mut count = 0;
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|ending| ending == "toml") {
+                let recipe = Recipe::load(&path).expect("a recipe").with_edge(16).expect("a power of two");
+                assert!(recipe.build().expect("few cells").size().filled > 100, "{}", path.display());
+                count += 1;
+            }
+        }
+        assert!(count >= 5, "{count}");
     }
 
     #[test]

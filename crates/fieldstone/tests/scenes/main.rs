@@ -8,6 +8,7 @@ mod meaning;
 mod schema;
 mod solids;
 mod space;
+mod texels;
 
 use fieldstone::{Document, FileAccess, ResolvedDocument, SceneRequest, Source};
 use std::path::Path;

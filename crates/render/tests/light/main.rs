@@ -3,6 +3,7 @@
 mod furnace;
 mod paths;
 mod shadows;
+mod volumes;
 
 use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
 use fieldstone_render::{RenderOptions, Rendered, render};

@@ -4,10 +4,11 @@
 //! sixteenth of the face. The share of rays that are stopped is the cell's true occlusion along that axis, so that a cell at
 //! the border, or one that holds a thin blade, is as transparent as it should be. Where rays meet the surface its
 //! normals are gathered, each with the weight 1 / (|nx| + |ny| + |nz|): rays along three axes find a surface as often as that sum
-//! says. Rods thinner than an eighth of a cell are sampled as if they were that thick, and weigh less.
+//! says, so that the sum of the weights measures its area (Crofton 1868), a quarter of which is the body's mean projected
+//! area. Rods thinner than an eighth of a cell are sampled as if they were that thick, and weigh less.
 //!
-//! The inside of an opaque shape has the normals of the nearest surface: joined to coarser cells it looks like
-//! the shape, although nobody sees into it. Opaque cells count in joins as an optical depth of 5.
+//! The inside of an opaque shape stops all light and holds no surface. It has the normals of the nearest one, by which
+//! the rules of 1995 join it; those of SGGX count surfaces alone.
 
 mod piece;
 mod scatter;
@@ -21,7 +22,7 @@ use crate::chance::{hash, normal};
 use crate::texel::MAX_DEPTH;
 use crate::{Builder, Sggx, Texel, morton};
 use glam::{DMat3, DVec3};
-use piece::{Meets, Piece, Stretch, meets};
+use piece::{Meets, Nearest, Piece, Stretch, meets};
 use rayon::prelude::*;
 
 /// A shape at its place.
@@ -221,8 +222,6 @@ fn touched(solid: &Solid, shift: DVec3, blocks: u32) -> Vec<[u32; 3]> {
 
 /// Rays along each axis of a cell: these squared.
 const RAYS: u32 = 4;
-/// The optical depth that an opaque cell counts as in joins.
-const OPAQUE: f64 = 5.0;
 
 /// A solid on its way into cells.
 struct Brush<'a> {
@@ -242,12 +241,9 @@ impl Brush<'_> {
         let half = 0.5 * f64::from(side) * self.cell_width();
         let low = DVec3::from_array(corner.map(f64::from)) * self.cell_width() - self.shift;
         let centre = low + half;
-        let reach = half * 3f64.sqrt();
-        let near: Vec<&Piece> = pieces
-            .iter()
-            .copied()
-            .filter(|p| p.nearest(centre).distance <= reach + 0.2 * self.cell_width())
-            .collect();
+        let slack = 0.2 * self.cell_width();
+        let near: Vec<&Piece> =
+            pieces.iter().copied().filter(|piece| !piece.misses(centre, half, slack)).collect();
         if near.is_empty() {
             return;
         }
@@ -270,18 +266,20 @@ impl Brush<'_> {
     /// What opaque bodies leave of the light through a cell.
     fn opaque(&self, cell: [u32; 3], low: DVec3, pieces: &[&Piece]) -> Option<Texel> {
         let width = self.cell_width();
-        let pieces: Vec<(Piece, f64)> = pieces.iter().map(|piece| piece.widened(0.125 * width)).collect();
         let centre = low + 0.5 * width;
-        if pieces.iter().any(|(piece, _)| piece.nearest(centre).distance <= -0.5 * 3f64.sqrt() * width) {
-            return Some(self.filled([f64::INFINITY; 3], self.inner_flakes(cell, centre, &pieces)));
+        let (nearest, axis) = nearest(centre, pieces.iter().copied());
+        if nearest.distance <= -0.5 * 3f64.sqrt() * width {
+            let flakes = self.flakes(cell, centre, nearest.normal, axis);
+            return Some(self.filled([1.0; 3], Sggx::from_matrix(flakes).normalised(), 0.0));
         }
-        let mut hits = Hits { stopped: [0.0; 3], flakes: DMat3::ZERO };
+        let pieces: Vec<(Piece, f64)> = pieces.iter().map(|piece| piece.widened(0.125 * width)).collect();
+        let mut hits = Hits { stopped: [0.0; 3], flakes: DMat3::ZERO, area: 0.0 };
         for axis in 0..3 {
             let w = DVec3::AXES[axis];
             for ray in 0..RAYS * RAYS {
                 let start = low + width * self.ray_start(cell, axis, ray);
                 let ray = Stretch { start, w, length: width };
-                hits.stopped[axis] += self.follow(cell, &pieces, ray, &mut hits.flakes);
+                hits.stopped[axis] += self.follow(cell, &pieces, ray, &mut hits);
             }
         }
         let rays = f64::from(RAYS * RAYS);
@@ -290,37 +288,31 @@ impl Brush<'_> {
             return None;
         }
         let flakes = if hits.flakes == DMat3::ZERO {
-            self.inner_flakes(cell, centre, &pieces)
+            Sggx::from_matrix(self.flakes(cell, centre, nearest.normal, axis)).normalised()
         } else {
             Sggx::from_matrix(hits.flakes).normalised()
         };
-        Some(self.filled(covered.map(|share| -(-share).ln_1p()), flakes))
+        Some(self.filled(covered, flakes, 0.25 * hits.area / rays))
     }
 
-    /// Flakes as on the nearest surface.
-    fn inner_flakes(&self, cell: [u32; 3], centre: DVec3, pieces: &[(Piece, f64)]) -> Sggx {
-        let (normal, axis) = self.nearest(centre, pieces.iter().map(|(piece, _)| piece));
-        Sggx::from_matrix(self.flakes(cell, centre, normal, axis)).normalised()
+    /// A cell whose faces are covered by these shares, with surfaces of a mean projected area in units of its face.
+    fn filled(&self, covered: [f64; 3], flakes: Sggx, area: f64) -> Texel {
+        let depth = covered.map(|share| (-(-share).ln_1p() as f32).min(MAX_DEPTH));
+        let density = (area / self.cell_width()) as f32;
+        self.coloured(Texel { density, depth, flakes, ..Texel::default() })
     }
 
-    /// A cell of these depths, which may be infinite.
-    fn filled(&self, depth: [f64; 3], flakes: Sggx) -> Texel {
-        let seen: f64 = DVec3::AXES.iter().map(|w| flakes.projected_area(*w)).sum();
-        let density = depth.iter().map(|depth| depth.min(OPAQUE)).sum::<f64>() / (seen * self.cell_width());
-        let depth = depth.map(|depth| (depth as f32).min(MAX_DEPTH));
-        self.coloured(Texel { density: density as f32, depth, flakes, ..Texel::default() })
-    }
-
-    /// The share of a ray that is stopped; adds the flakes that it meets.
-    fn follow(&self, cell: [u32; 3], pieces: &[(Piece, f64)], ray: Stretch, sum: &mut DMat3) -> f64 {
+    /// The share of a ray that is stopped; adds the surfaces that it meets.
+    fn follow(&self, cell: [u32; 3], pieces: &[(Piece, f64)], ray: Stretch, hits: &mut Hits) -> f64 {
         let (met, index) = meets(pieces, ray);
         let (piece, share) = &pieces[index];
         match met {
             Meets::Nothing => return 0.0,
             Meets::Inside => {}
-            Meets::Surface(normal) => {
+            Meets::Surface { normal, crossings } => {
                 let weight = share / normal.abs().element_sum();
-                *sum += self.flakes(cell, ray.start, normal, piece.axis()) * weight;
+                hits.flakes += self.flakes(cell, ray.start, normal, piece.axis()) * weight;
+                hits.area += crossings * weight;
             }
         }
         *share
@@ -354,7 +346,7 @@ impl Brush<'_> {
             return None;
         }
         let share = inside as f64 / f64::from(RAYS.pow(3));
-        let (normal, axis) = self.nearest(centre, pieces.iter().copied());
+        let (Nearest { normal, .. }, axis) = nearest(centre, pieces.iter().copied());
         let flakes = Sggx::from_matrix(self.flakes(cell, centre, normal, axis));
         let density = self.solid.material.density.unwrap_or(0.0) * share;
         Some(self.coloured(Texel::even(density as f32, flakes, width)))
@@ -362,13 +354,6 @@ impl Brush<'_> {
 
     fn coloured(&self, texel: Texel) -> Texel {
         texel.coloured(self.solid.material.albedo, self.solid.material.gloss)
-    }
-
-    /// The normal of the nearest surface, and the axis of its body.
-    fn nearest<'p>(&self, p: DVec3, pieces: impl Iterator<Item = &'p Piece>) -> (DVec3, DVec3) {
-        let found = pieces.map(|piece| (piece.nearest(p), piece.axis()));
-        let nearest = found.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
-        nearest.map_or((DVec3::Z, DVec3::Z), |(nearest, axis)| (nearest.normal, axis))
     }
 
     /// S at a place with this normal, on a body with this axis; the mean projected area is the same at all places.
@@ -405,10 +390,19 @@ impl Brush<'_> {
     }
 }
 
+/// The nearest surface of a place, and the axis of its body.
+fn nearest<'p>(p: DVec3, pieces: impl Iterator<Item = &'p Piece>) -> (Nearest, DVec3) {
+    let found = pieces.map(|piece| (piece.nearest(p), piece.axis()));
+    let nearest = found.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+    nearest.unwrap_or((Nearest { distance: f64::INFINITY, normal: DVec3::Z }, DVec3::Z))
+}
+
 /// What the rays of a cell met.
 struct Hits {
     stopped: [f64; 3],
     flakes: DMat3,
+    /// The area of surfaces, in units of the cell's face, times the rays along an axis.
+    area: f64,
 }
 
 fn normal_by_chance(seed: u64, [x, y, z, part]: [u64; 4]) -> f64 {

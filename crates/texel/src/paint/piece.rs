@@ -19,10 +19,110 @@ impl Frame {
     pub(super) fn point(&self, p: DVec3) -> DVec3 {
         self.origin + self.axes * p
     }
+}
 
+/// A frame with what is asked of it for every cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seat {
+    frame: Frame,
+    size: f64,
+    /// The axes of unit length.
+    turn: DMat3,
+    /// From directions in the volume to those of the shape.
+    inverse: DMat3,
+}
+
+impl From<Frame> for Seat {
+    fn from(frame: Frame) -> Self {
+        let size = frame.size();
+        let (turn, inverse) = (frame.axes * size.recip(), frame.axes.transpose() * (size * size).recip());
+        Self { frame, size, turn, inverse }
+    }
+}
+
+impl Seat {
     /// A point in the shape's own coordinates.
     fn inside(&self, p: DVec3) -> DVec3 {
-        self.axes.transpose() * (p - self.origin) / (self.size() * self.size())
+        self.inverse * (p - self.frame.origin)
+    }
+}
+
+/// A line from one ball to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rod {
+    ends: [DVec3; 2],
+    radii: [f64; 2],
+    /// The way along it over its squared length.
+    share: DVec3,
+    /// Where the radius changes, the surface is nearer than straight on: by this factor.
+    nearer: f64,
+}
+
+impl Rod {
+    fn new(ends: [DVec3; 2], radii: [f64; 2]) -> Self {
+        let along = ends[1] - ends[0];
+        let share = along / along.length_squared().max(f64::MIN_POSITIVE);
+        let slope = (radii[1] - radii[0]).abs() / along.length().max(f64::MIN_POSITIVE);
+        Self { ends, radii, share, nearer: (1.0 + slope * slope).sqrt().recip() }
+    }
+
+    fn nearest(&self, p: DVec3) -> Nearest {
+        let ([a, b], [start, end]) = (self.ends, self.radii);
+        let s = (p - a).dot(self.share).clamp(0.0, 1.0);
+        let away = p - (a + s * (b - a));
+        let distance = (away.length() - (start + s * (end - start))) * self.nearer;
+        Nearest { distance, normal: away.normalize_or(DVec3::Z) }
+    }
+}
+
+/// All points that are no farther from a triangle than `half`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plate {
+    edges: [Edge; 3],
+    /// Unit; 0 for a triangle without an area.
+    normal: DVec3,
+    half: f64,
+    axis: DVec3,
+}
+
+/// An edge of a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    from: DVec3,
+    along: DVec3,
+    /// The way along it over its squared length.
+    share: DVec3,
+    /// A direction in the plane of the triangle, to its inside.
+    inward: DVec3,
+}
+
+impl Plate {
+    fn new([a, b, c]: [DVec3; 3], half: f64, axis: DVec3) -> Self {
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let edge = |from: DVec3, to: DVec3| {
+            let along = to - from;
+            let share = along / along.length_squared().max(f64::MIN_POSITIVE);
+            Edge { from, along, share, inward: normal.cross(along) }
+        };
+        Self { edges: [edge(a, b), edge(b, c), edge(c, a)], normal, half, axis }
+    }
+
+    /// Above the triangle the plane is nearest, beside it one of its edges.
+    fn nearest(&self, p: DVec3) -> Nearest {
+        let is_above = self.edges.iter().all(|edge| edge.inward.dot(p - edge.from) >= 0.0);
+        let away = if is_above && self.normal != DVec3::ZERO {
+            self.normal * (p - self.edges[0].from).dot(self.normal)
+        } else {
+            let [first, second, third] = self.edges.map(|edge| {
+                let way = p - edge.from;
+                way - edge.along * way.dot(edge.share).clamp(0.0, 1.0)
+            });
+            let nearer = |a: DVec3, b: DVec3| if b.length_squared() < a.length_squared() { b } else { a };
+            nearer(nearer(first, second), third)
+        };
+        let length = away.length();
+        let normal = if length > 0.0 { away / length } else { self.normal };
+        Nearest { distance: length - self.half, normal }
     }
 }
 
@@ -30,30 +130,22 @@ impl Frame {
 #[derive(Clone, Debug)]
 pub(super) enum Piece {
     Ellipsoid {
-        frame: Frame,
+        seat: Seat,
         radii: DVec3,
     },
     /// A cone cut off: from z = 0, where its radius is `radii[0]`, to `height`.
     Frustum {
-        frame: Frame,
+        seat: Seat,
         radii: [f64; 2],
         height: f64,
     },
     Box {
-        frame: Frame,
+        seat: Seat,
         half: DVec3,
     },
     /// All points that are no farther from a line than a radius that goes evenly from one end to the other.
-    Capsule {
-        ends: [DVec3; 2],
-        radii: [f64; 2],
-    },
-    /// All points that are no farther from a triangle than `half`.
-    Plate {
-        corners: [DVec3; 3],
-        half: f64,
-        axis: DVec3,
-    },
+    Capsule(Rod),
+    Plate(Plate),
 }
 
 /// The nearest surface: how far it is (below 0 inside), no more than it really is, and the direction away from it.
@@ -67,55 +159,67 @@ pub(super) struct Nearest {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Meets {
     Nothing,
-    /// A surface with this normal.
-    Surface(DVec3),
+    /// A surface.
+    Surface {
+        normal: DVec3,
+        /// How often the stretch goes through a surface: 1 if one of its ends is inside, else 2, there and back.
+        crossings: f64,
+    },
     /// The inside all along.
     Inside,
 }
 
 impl Piece {
+    pub(super) fn capsule(ends: [DVec3; 2], radii: [f64; 2]) -> Self {
+        Self::Capsule(Rod::new(ends, radii))
+    }
+
+    pub(super) fn plate(corners: [DVec3; 3], half: f64, axis: DVec3) -> Self {
+        Self::Plate(Plate::new(corners, half, axis))
+    }
+
     pub(super) fn nearest(&self, p: DVec3) -> Nearest {
         match self {
-            Self::Ellipsoid { frame, radii } => placed(frame, ellipsoid(frame.inside(p), *radii)),
-            Self::Frustum { frame, radii, height } => {
-                placed(frame, frustum(frame.inside(p), *radii, *height))
+            Self::Ellipsoid { seat, radii } => placed(seat, ellipsoid(seat.inside(p), *radii)),
+            Self::Frustum { seat, radii, height } => placed(seat, frustum(seat.inside(p), *radii, *height)),
+            Self::Box { seat, half } => placed(seat, cuboid(seat.inside(p), *half)),
+            Self::Capsule(rod) => rod.nearest(p),
+            Self::Plate(plate) => plate.nearest(p),
+        }
+    }
+
+    /// Whether nothing of the body is in a cube, from its centre and half its side, also if a rod is widened by `slack`. It may
+    /// say no where it is so.
+    pub(super) fn misses(&self, centre: DVec3, half: f64, slack: f64) -> bool {
+        match self {
+            Self::Ellipsoid { seat, radii } => {
+                // No point of a convex body is beyond the plane that touches it across a direction.
+                let p = seat.inside(centre);
+                let across = (p / (*radii * *radii)).normalize_or_zero();
+                let gap = (across.dot(p) - (across * *radii).length()) * seat.size;
+                gap > half * (seat.turn * across).abs().element_sum() + 1e-3 * slack
             }
-            Self::Box { frame, half } => placed(frame, cuboid(frame.inside(p), *half)),
-            Self::Capsule { ends: [a, b], radii: [start, end] } => {
-                let along = *b - *a;
-                let s = ((p - *a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-                let away = p - (*a + s * along);
-                // Where the radius changes, the surface is nearer than straight on.
-                let slope = (end - start).abs() / along.length().max(f64::MIN_POSITIVE);
-                let distance = (away.length() - (start + s * (end - start))) / (1.0 + slope * slope).sqrt();
-                Nearest { distance, normal: away.normalize_or(DVec3::Z) }
-            }
-            Self::Plate { corners, half, .. } => {
-                let away = p - closest(p, corners);
-                let [a, b, c] = corners;
-                let face = (*b - *a).cross(*c - *a).normalize_or(DVec3::Z);
-                Nearest { distance: away.length() - half, normal: away.normalize_or(face) }
-            }
+            other => other.nearest(centre).distance > half * 3f64.sqrt() + slack,
         }
     }
 
     /// The direction along the body.
     pub(super) fn axis(&self) -> DVec3 {
         match self {
-            Self::Ellipsoid { frame, .. } | Self::Frustum { frame, .. } | Self::Box { frame, .. } => {
-                frame.axes.z_axis.normalize_or(DVec3::Z)
+            Self::Ellipsoid { seat, .. } | Self::Frustum { seat, .. } | Self::Box { seat, .. } => {
+                seat.frame.axes.z_axis.normalize_or(DVec3::Z)
             }
-            Self::Capsule { ends: [a, b], .. } => (*b - *a).normalize_or(DVec3::Z),
-            Self::Plate { axis, .. } => *axis,
+            Self::Capsule(Rod { ends: [a, b], .. }) => (*b - *a).normalize_or(DVec3::Z),
+            Self::Plate(plate) => plate.axis,
         }
     }
 
     /// A body at least as thick as can be sampled, and the share of its shadow that the real one throws.
     pub(super) fn widened(&self, least: f64) -> (Self, f64) {
         match self {
-            Self::Capsule { ends, radii } if radii[0].max(radii[1]) < least => {
+            Self::Capsule(Rod { ends, radii, .. }) if radii[0].max(radii[1]) < least => {
                 let share = 0.5 * (radii[0] + radii[1]) / least;
-                (Self::Capsule { ends: *ends, radii: [least; 2] }, share)
+                (Self::capsule(*ends, [least; 2]), share)
             }
             other => (other.clone(), 1.0),
         }
@@ -124,25 +228,25 @@ impl Piece {
     /// Two corners of a box that holds the body.
     pub(super) fn bounds(&self) -> [DVec3; 2] {
         let around = |centre: DVec3, reach: DVec3| [centre - reach, centre + reach];
-        let turned = |frame: &Frame, half: DVec3| {
+        let turned = |Seat { frame, .. }: &Seat, half: DVec3| {
             let [x, y, z] = [frame.axes.x_axis, frame.axes.y_axis, frame.axes.z_axis].map(DVec3::abs);
             x * half.x + y * half.y + z * half.z
         };
         match self {
-            Self::Ellipsoid { frame, radii } => around(frame.origin, turned(frame, *radii)),
-            Self::Box { frame, half } => around(frame.origin, turned(frame, *half)),
-            Self::Frustum { frame, radii, height } => {
+            Self::Ellipsoid { seat, radii } => around(seat.frame.origin, turned(seat, *radii)),
+            Self::Box { seat, half } => around(seat.frame.origin, turned(seat, *half)),
+            Self::Frustum { seat, radii, height } => {
                 let radius = radii[0].max(radii[1]);
-                let centre = frame.point(DVec3::Z * (0.5 * height));
-                around(centre, turned(frame, DVec3::new(radius, radius, 0.5 * height)))
+                let centre = seat.frame.point(DVec3::Z * (0.5 * height));
+                around(centre, turned(seat, DVec3::new(radius, radius, 0.5 * height)))
             }
-            Self::Capsule { ends: [a, b], radii } => {
+            Self::Capsule(Rod { ends: [a, b], radii, .. }) => {
                 let radius = DVec3::splat(radii[0].max(radii[1]));
                 [a.min(*b) - radius, a.max(*b) + radius]
             }
-            Self::Plate { corners: [a, b, c], half, .. } => {
-                let half = DVec3::splat(*half);
-                [a.min(*b).min(*c) - half, a.max(*b).max(*c) + half]
+            Self::Plate(Plate { edges, half, .. }) => {
+                let [a, b, c] = edges.map(|edge| edge.from);
+                [a.min(b).min(c) - *half, a.max(b).max(c) + *half]
             }
         }
     }
@@ -159,28 +263,31 @@ pub(super) struct Stretch {
 
 /// What a stretch meets of the union of bodies, and the place of the body in the list.
 pub(super) fn meets(pieces: &[(Piece, f64)], stretch: Stretch) -> (Meets, usize) {
-    if let [(Piece::Ellipsoid { frame, radii }, _)] = pieces {
-        return (meets_ellipsoid(frame, *radii, stretch), 0);
+    if let [(Piece::Ellipsoid { seat, radii }, _)] = pieces {
+        return (meets_ellipsoid(seat, *radii, stretch), 0);
     }
     let Stretch { start, w, length } = stretch;
     let (at_start, first) = nearest_of(pieces, start);
     if at_start.distance > 0.0 {
-        return march(pieces, stretch);
+        return march(pieces, stretch, at_start.distance);
     }
     // From the inside, the surface is met from the other end.
     let end = Stretch { start: start + length * w, w: -w, length };
-    if nearest_of(pieces, end.start).0.distance <= 0.0 { (Meets::Inside, first) } else { march(pieces, end) }
+    let at_end = nearest_of(pieces, end.start).0.distance;
+    if at_end <= 0.0 { (Meets::Inside, first) } else { march(pieces, end, at_end) }
 }
 
-/// Steps as long as the way is free; what comes nearer than a thousandth of the way is touched, so that there are
-/// a thousand steps at most.
-fn march(pieces: &[(Piece, f64)], Stretch { start, w, length }: Stretch) -> (Meets, usize) {
+/// Steps as long as the way is free, from `free` on, where it is known to be; what comes nearer than a thousandth of the way is
+/// touched, so that there are a thousand steps at most.
+fn march(pieces: &[(Piece, f64)], Stretch { start, w, length }: Stretch, free: f64) -> (Meets, usize) {
     let least = 1e-3 * length;
-    let mut t = 0.0;
+    let mut t = if free > least { free } else { 0.0 };
     while t <= length {
         let (nearest, index) = nearest_of(pieces, start + t * w);
         if nearest.distance <= least {
-            return (Meets::Surface(nearest.normal), index);
+            let leaves = nearest_of(pieces, start + length * w).0.distance > 0.0;
+            let crossings = if leaves { 2.0 } else { 1.0 };
+            return (Meets::Surface { normal: nearest.normal, crossings }, index);
         }
         t += nearest.distance;
     }
@@ -199,20 +306,22 @@ fn nearest_of(pieces: &[(Piece, f64)], p: DVec3) -> (Nearest, usize) {
     best
 }
 
-fn placed(frame: &Frame, nearest: Nearest) -> Nearest {
-    let size = frame.size();
-    Nearest { distance: nearest.distance * size, normal: frame.axes * nearest.normal / size }
+fn placed(seat: &Seat, nearest: Nearest) -> Nearest {
+    Nearest { distance: nearest.distance * seat.size, normal: seat.turn * nearest.normal }
 }
 
-/// The distance is that in the space in which the ellipsoid is a ball, times the shortest radius: never too large.
+/// The distance is that in the space in which the ellipsoid is a ball, times the shortest radius, or that of the box around it:
+/// never too large. Beside a flat ellipsoid the first is much too small.
 fn ellipsoid(p: DVec3, radii: DVec3) -> Nearest {
     let scaled = p / radii;
-    let distance = (scaled.length() - 1.0) * radii.min_element();
+    let of_ball = (scaled.length() - 1.0) * radii.min_element();
+    let of_box = (p.abs() - radii).max(DVec3::ZERO);
+    let distance = if of_box == DVec3::ZERO { of_ball } else { of_ball.max(of_box.length()) };
     Nearest { distance, normal: (scaled / radii).normalize_or(DVec3::Z) }
 }
 
-fn meets_ellipsoid(frame: &Frame, radii: DVec3, Stretch { start, w, length }: Stretch) -> Meets {
-    let (p, d) = (frame.inside(start) / radii, (frame.inside(start + w) - frame.inside(start)) / radii);
+fn meets_ellipsoid(seat: &Seat, radii: DVec3, Stretch { start, w, length }: Stretch) -> Meets {
+    let (p, d) = (seat.inside(start) / radii, seat.inverse * w / radii);
     let (a, b, c) = (d.length_squared(), p.dot(d), p.length_squared() - 1.0);
     let discriminant = b * b - a * c;
     if discriminant <= 0.0 {
@@ -222,17 +331,18 @@ fn meets_ellipsoid(frame: &Frame, radii: DVec3, Stretch { start, w, length }: St
     if far <= 0.0 || near >= length {
         return Meets::Nothing;
     }
-    let t = match (near > 0.0, far < length) {
-        (true, _) => near,
-        (false, true) => far,
+    let (t, crossings) = match (near > 0.0, far < length) {
+        (true, true) => (near, 2.0),
+        (true, false) => (near, 1.0),
+        (false, true) => (far, 1.0),
         (false, false) => return Meets::Inside,
     };
-    Meets::Surface((frame.axes * ((p + t * d) / radii)).normalize_or(DVec3::Z))
+    Meets::Surface { normal: (seat.turn * ((p + t * d) / radii)).normalize_or(DVec3::Z), crossings }
 }
 
 /// In the plane through the axis, the frustum is a polygon of three edges beside the axis.
 fn frustum(p: DVec3, [low, high]: [f64; 2], height: f64) -> Nearest {
-    let q = DVec2::new(p.x.hypot(p.y), p.z);
+    let q = DVec2::new((p.x * p.x + p.y * p.y).sqrt(), p.z);
     let corners = [DVec2::ZERO, DVec2::new(low, 0.0), DVec2::new(high, height), DVec2::new(0.0, height)];
     let mut best = (f64::INFINITY, DVec2::Y);
     let mut inside = true;
@@ -273,24 +383,6 @@ fn cuboid(p: DVec3, half: DVec3) -> Nearest {
     Nearest { distance: largest, normal: face * sign }
 }
 
-/// The point of a triangle that is nearest to p: on the plane if that is within all edges, else on the nearest edge.
-fn closest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    let normal = (b - a).cross(c - a);
-    let edges = [(a, b), (b, c), (c, a)];
-    let is_within = edges.iter().all(|(from, to)| (*to - *from).cross(p - *from).dot(normal) >= 0.0);
-    if is_within && normal != DVec3::ZERO {
-        return p - normal * ((p - a).dot(normal) / normal.length_squared());
-    }
-    let on_edge = |(from, to): (DVec3, DVec3)| {
-        let along = to - from;
-        let s = (p - from).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
-        from + s.clamp(0.0, 1.0) * along
-    };
-    let squared = |q: &DVec3| (p - *q).length_squared();
-    let [first, second, third] = edges.map(on_edge);
-    [second, third].into_iter().fold(first, |best, q| if squared(&q) < squared(&best) { q } else { best })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -298,15 +390,15 @@ mod tests {
 
     fn pieces() -> Vec<Piece> {
         let turn = DMat3::from_rotation_x(0.7) * DMat3::from_rotation_z(0.4) * 0.5;
-        let frame = Frame { origin: DVec3::new(0.1, 0.2, -0.1), axes: turn };
+        let seat = Seat::from(Frame { origin: DVec3::new(0.1, 0.2, -0.1), axes: turn });
         let corners = [DVec3::ZERO, DVec3::new(0.5, 0.1, 0.0), DVec3::new(0.1, 0.4, 0.3)];
         vec![
-            Piece::Ellipsoid { frame, radii: DVec3::new(0.3, 0.6, 0.9) },
-            Piece::Frustum { frame, radii: [0.6, 0.2], height: 0.8 },
-            Piece::Frustum { frame, radii: [0.5, 0.0], height: 0.7 },
-            Piece::Box { frame, half: DVec3::new(0.2, 0.4, 0.7) },
-            Piece::Capsule { ends: [DVec3::ZERO, DVec3::new(0.3, 0.4, 0.2)], radii: [0.1, 0.02] },
-            Piece::Plate { corners, half: 0.05, axis: DVec3::X },
+            Piece::Ellipsoid { seat, radii: DVec3::new(0.3, 0.6, 0.9) },
+            Piece::Frustum { seat, radii: [0.6, 0.2], height: 0.8 },
+            Piece::Frustum { seat, radii: [0.5, 0.0], height: 0.7 },
+            Piece::Box { seat, half: DVec3::new(0.2, 0.4, 0.7) },
+            Piece::capsule([DVec3::ZERO, DVec3::new(0.3, 0.4, 0.2)], [0.1, 0.02]),
+            Piece::plate(corners, 0.05, DVec3::X),
         ]
     }
 
@@ -340,6 +432,24 @@ mod tests {
                 agree += u32::from(slope.dot(piece.nearest(p).normal) > 0.96);
             }
             assert!(agree > 980, "{piece:?}: {agree}");
+        }
+    }
+
+    /// What is said to be missed holds no point of the body.
+    #[test]
+    fn cubes_that_are_missed_are_empty() {
+        for piece in pieces() {
+            let mut missed = 0;
+            for i in 0..4000 {
+                let (centre, half) = (point(2 * i), 0.02 + 0.1 * unit(4, &[i]));
+                if piece.misses(centre, half, 0.01) {
+                    missed += 1;
+                    let is_empty =
+                        (0..20).all(|k| piece.nearest(centre + half * point(100 * i + k)).distance > 0.0);
+                    assert!(is_empty, "{piece:?}: {centre} {half}");
+                }
+            }
+            assert!(missed > 2000, "{piece:?}: {missed}");
         }
     }
 

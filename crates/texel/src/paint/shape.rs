@@ -75,10 +75,10 @@ impl Form {
     pub(super) fn pieces(&self, frame: &Frame, curl: f64) -> Vec<Piece> {
         let frame_of = |origin: DVec3| Frame { origin: frame.point(origin), ..*frame };
         let frustum =
-            |radii, height, base| Piece::Frustum { frame: frame_of(DVec3::Z * base), radii, height };
+            |radii, height, base| Piece::Frustum { seat: frame_of(DVec3::Z * base).into(), radii, height };
         match self {
-            Self::Ellipsoid { radii } => vec![Piece::Ellipsoid { frame: *frame, radii: *radii }],
-            Self::Box { size } => vec![Piece::Box { frame: *frame, half: 0.5 * *size }],
+            Self::Ellipsoid { radii } => vec![Piece::Ellipsoid { seat: (*frame).into(), radii: *radii }],
+            Self::Box { size } => vec![Piece::Box { seat: (*frame).into(), half: 0.5 * *size }],
             Self::Cone { radius, top, height } => vec![frustum([*radius, *top], *height, 0.0)],
             Self::Disc { radius, thickness } => vec![frustum([*radius; 2], *thickness, -0.5 * thickness)],
             Self::Blade { height, width, fold, thickness, curl: own } => {
@@ -86,7 +86,11 @@ impl Form {
                 blade(frame, &spine(*height, own + curl), section)
             }
             Self::Hair { height, radius, tip, curl: own } => {
-                let spine = spine(*height, own + curl);
+                // What is straight is one piece.
+                let spine = match own + curl {
+                    0.0 => vec![(DVec3::ZERO, DVec3::Z), (DVec3::Z * *height, DVec3::Z)],
+                    turn => spine(*height, turn),
+                };
                 rod(spine.iter().map(|(p, _)| frame.point(*p)), [radius, tip].map(|r| r * frame.size()))
             }
             Self::Tube { points, radii } => {
@@ -114,10 +118,7 @@ fn rod(points: impl Iterator<Item = DVec3>, [start, end]: [f64; 2]) -> Vec<Piece
     let points: Vec<DVec3> = points.collect();
     let last = points.len().saturating_sub(1).max(1) as f64;
     let radius = |i: usize| start + (end - start) * i as f64 / last;
-    let piece = |(i, ends): (usize, &[DVec3])| Piece::Capsule {
-        ends: [ends[0], ends[1]],
-        radii: [radius(i), radius(i + 1)],
-    };
+    let piece = |(i, ends): (usize, &[DVec3])| Piece::capsule([ends[0], ends[1]], [radius(i), radius(i + 1)]);
     points.windows(2).enumerate().map(piece).collect()
 }
 
@@ -137,7 +138,7 @@ fn blade(frame: &Frame, spine: &[(DVec3, DVec3)], [width, fold, thickness]: [f64
             let axis = (frame.axes * spine[i].1).normalize_or(DVec3::Z);
             let mut plate = |corners: [DVec3; 3]| {
                 let corners = corners.map(|p| frame.point(p));
-                pieces.push(Piece::Plate { corners, half: 0.5 * thickness * frame.size(), axis });
+                pieces.push(Piece::plate(corners, 0.5 * thickness * frame.size(), axis));
             };
             plate([spine[i - 1].0, rim(i - 1), spine[i].0]);
             if i + 1 < spine.len() {

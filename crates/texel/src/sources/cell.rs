@@ -93,12 +93,12 @@ pub(super) fn depth_of(share: f64) -> f64 {
     (-(-share.clamp(0.0, 1.0)).ln_1p()).min(f64::from(MAX_DEPTH))
 }
 
-/// An opaque cell without flakes: it counts nothing when cells are joined.
-pub(super) fn opaque(paint: &Paint) -> Texel {
+/// A cell inside of a solid: it stops all light and holds no surface. `shape` is S of the nearest one, normalised.
+pub(super) fn opaque(shape: [f64; 6], paint: &Paint) -> Texel {
     Texel {
         density: 0.0,
         depth: [MAX_DEPTH; 3],
-        flakes: Sggx::ISOTROPIC,
+        flakes: Sggx::from_entries(shape.map(|entry| entry as f32)),
         albedo: paint.albedo,
         gloss: paint.gloss,
     }

@@ -8,7 +8,7 @@
 //!
 //! In blocks of 16 × 16 × 16 cells the program is shortened to what matters there.
 
-use super::cell::{Finish, Gathered, opaque};
+use super::cell::{Finish, Gathered, ISOTROPIC, opaque};
 use super::mask::{Mask, PARTS};
 use super::slice::slice_area;
 use super::{MAX_CELLS, Paint, Place, SourceError};
@@ -41,7 +41,7 @@ pub enum Inside {
 pub struct BakeOptions {
     /// How far the flakes spread around the surface's normals, 0 (a mirror) to 1 (all ways alike).
     pub roughness: f64,
-    /// What is done with cells inside. They stop all light, and count nothing when cells are joined.
+    /// What is done with cells inside, which stop all light.
     pub inside: Inside,
     /// Whether the solid is left open where the box cuts it; otherwise it ends there with faces of its own.
     pub open: bool,
@@ -328,15 +328,7 @@ impl<'a> Baker<'a> {
     ) {
         let workspace = &mut engines.gradients;
         let centre = |cube: &Cube| self.model_point(DVec3::from_array(cube.low.map(f64::from)) + 0.5);
-        for axis in 0..3 {
-            for (lane, cube) in parts.iter().enumerate() {
-                workspace.input(axis, 0)[lane] = centre(cube)[axis];
-                for direction in 0..3 {
-                    workspace.input(axis, 1 + direction)[lane] = f64::from(u8::from(axis == direction));
-                }
-            }
-        }
-        workspace.run(tape, parts.len());
+        self.run_gradients(workspace, tape, &parts.iter().map(centre).collect::<Vec<_>>());
         let part_in_model = (self.place.scale() * f64::from(self.edge) * PARTS as f64).recip();
         let part_in_cube = (f64::from(self.edge) * PARTS as f64).recip();
         for (lane, cube) in parts.iter().enumerate() {
@@ -431,17 +423,37 @@ impl<'a> Baker<'a> {
         self.model_point((DVec3::from_array(cell.map(f64::from)) + 0.5) * PARTS as f64)
     }
 
-    /// Cells that stop all light, painted as the field is in their middle.
+    /// Cells that stop all light, painted as the field is in their middle, with flakes across its slope.
     fn opaque(&self, cells: &[[u32; 3]]) -> Vec<([u32; 3], Texel)> {
         cells
             .par_chunks(LANES)
-            .map_init(Workspace::<F64, Points>::new, |workspace, cells| {
+            .map_init(Engines::default, |engines, cells| {
                 let centres: Vec<DVec3> = cells.iter().map(|cell| self.centre(*cell)).collect();
-                let paints = self.paints(workspace, &centres);
-                cells.iter().zip(paints).map(|(cell, paint)| (*cell, opaque(&paint))).collect::<Vec<_>>()
+                let paints = self.paints(&mut engines.points, &centres);
+                self.run_gradients(&mut engines.gradients, &self.tape, &centres);
+                let slopes = &engines.gradients;
+                let texel = |(lane, paint): (usize, Paint)| {
+                    let slope = DVec3::from_array([1, 2, 3].map(|k| slopes.output(0, k)[lane]));
+                    let shape = slope.try_normalize().map_or(ISOTROPIC, |normal| self.finish.around(normal));
+                    (cells[lane], opaque(shape, &paint))
+                };
+                paints.into_iter().enumerate().map(texel).collect::<Vec<_>>()
             })
             .flatten_iter()
             .collect()
+    }
+
+    /// Values and slopes at up to 64 points.
+    fn run_gradients(&self, workspace: &mut Workspace<F64, Gradients>, tape: &Tape, points: &[DVec3]) {
+        for axis in 0..3 {
+            for (lane, point) in points.iter().enumerate() {
+                workspace.input(axis, 0)[lane] = point[axis];
+                for direction in 0..3 {
+                    workspace.input(axis, 1 + direction)[lane] = f64::from(u8::from(axis == direction));
+                }
+            }
+        }
+        workspace.run(tape, points.len());
     }
 }
 

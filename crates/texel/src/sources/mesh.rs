@@ -3,19 +3,25 @@
 //! Each triangle is cut at the sides of the cells that it goes through, so that areas are exact; normals and colours are
 //! means by area. What a cell's triangles hide of its faces is the sum of their projections, which is exact where none
 //! is behind another; by how much they overlap is counted on 16 × 16 places.
+//!
+//! A mesh without holes is a solid: what is [inside](solid) stops light like the inside of a field, so that none comes through where
+//! its surface covers cells in part.
 
 mod clip;
 mod read;
+mod solid;
 
 pub use read::read_mesh;
 
 use super::cell::{Finish, Gathered};
-use super::{MAX_CELLS, Paint, Place, SourceError, hull, placed};
-use crate::{Builder, Texel};
+use super::{Inside, MAX_CELLS, Paint, Place, SourceError, hull, placed};
+use crate::{Builder, MAX_DEPTH, Texel};
 use clip::{Polygon, Shadow};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Deserialize;
+use solid::{Interior, Joints};
+use std::collections::HashSet;
 
 /// Triangles with colours.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,16 +38,31 @@ pub struct Mesh {
     pub material: Vec<u32>,
 }
 
+/// What triangles bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Body {
+    /// A solid if the mesh is watertight: if at every side of a triangle an even number of them meets. Sheets otherwise.
+    #[default]
+    Auto,
+    /// A solid, also if there are holes: three lines of sight decide by majority what is inside.
+    Solid,
+    /// Thin sheets, seen from both sides, with nothing inside.
+    Sheets,
+}
+
 /// How a mesh becomes cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshOptions {
     /// How far the flakes spread around the triangles' normals, 0 to 1.
     pub roughness: f64,
-    /// Whether the triangles close a body, which is seen from outside alone; otherwise they are sheets, seen from both sides,
-    /// and count twice as much. The inside of a body stays empty, so that a little light passes where its surface covers
-    /// cells in part.
-    pub closed: bool,
+    /// Whether the triangles bound a solid, which is seen from outside alone, or are sheets, which are seen from both sides and
+    /// count twice as much.
+    pub body: Body,
+    /// Which cells inside of a solid are filled. `Empty` makes a shell: a little light passes where the surface covers cells in
+    /// part.
+    pub inside: Inside,
     /// What triangles without a material are painted with.
     pub paint: Paint,
     /// The box that fills the volume, two corners; by default the one around the mesh.
@@ -57,16 +78,26 @@ pub fn add_mesh(builder: &mut Builder, mesh: &Mesh, options: &MeshOptions) -> Re
     SourceError::check("roughness", options.roughness, good, "a number from 0 to 1")?;
     let points = mesh.points.iter().map(|point| (*point, 0.0));
     let place = placed(builder, options.bounds, || hull(points))?;
-    let voxels = Voxels {
+    let joints = if options.body == Body::Sheets { None } else { Some(Joints::of(mesh)) };
+    let solid = joints.filter(|joints| joints.is_closed || options.body == Body::Solid);
+    let mut voxels = Voxels {
         mesh,
         place,
         edge: builder.edge(),
         finish: Finish::surface(options.roughness),
         // Means over all directions: half of a sheet's area, a quarter of a closed surface's.
-        share: if options.closed { 0.25 } else { 0.5 },
+        share: if solid.is_some() { 0.25 } else { 0.5 },
         paint: options.paint,
+        interior: None,
     };
-    builder.extend(voxels.texels()?);
+    if let (Some(joints), true) = (solid, options.inside != Inside::Empty) {
+        let triangles: Vec<_> = (0..mesh.triangles.len()).filter_map(|i| voxels.corners(i)).collect();
+        voxels.interior = Some(Interior::new(&triangles, builder.edge(), joints.is_oriented)?);
+    }
+    let surface = voxels.texels()?;
+    let inner = voxels.inner(&surface, options.inside)?;
+    builder.extend(surface);
+    builder.extend(inner);
     Ok(place)
 }
 
@@ -81,6 +112,8 @@ struct Voxels<'m> {
     finish: Finish,
     share: f64,
     paint: Paint,
+    /// What is inside, if it is filled.
+    interior: Option<Interior>,
 }
 
 impl Voxels<'_> {
@@ -97,6 +130,40 @@ impl Voxels<'_> {
         entries.par_sort_unstable();
         let cells = entries.par_chunk_by(|a, b| a.0 == b.0);
         Ok(cells.filter_map(|entries| self.texel(entries).map(|texel| (entries[0].0, texel))).collect())
+    }
+
+    /// The cells inside: one layer below those of the surface, or all. Each is painted like the one it was reached
+    /// from, and has its flakes.
+    fn inner(
+        &self,
+        surface: &[([u32; 3], Texel)],
+        inside: Inside,
+    ) -> Result<Vec<([u32; 3], Texel)>, SourceError> {
+        let Some(interior) = &self.interior else { return Ok(Vec::new()) };
+        let mut known: HashSet<[u32; 3]> = surface.iter().map(|(cell, _)| *cell).collect();
+        let mut found: Vec<([u32; 3], Texel)> = Vec::new();
+        let mut from = 0;
+        loop {
+            let reached = if from == 0 && found.is_empty() { surface } else { &found[from..] };
+            let mut next = Vec::new();
+            for (cell, texel) in reached {
+                for beside in beside(*cell, self.edge) {
+                    if !known.contains(&beside) && interior.holds(beside) {
+                        known.insert(beside);
+                        next.push((beside, Texel { density: 0.0, depth: [MAX_DEPTH; 3], ..*texel }));
+                    }
+                }
+            }
+            if known.len() > MAX_CELLS {
+                return Err(SourceError::TooMany { what: "a solid's cells", most: MAX_CELLS });
+            }
+            from = found.len();
+            let is_last = next.is_empty() || inside != Inside::Full;
+            found.extend(next);
+            if is_last {
+                return Ok(found);
+            }
+        }
     }
 
     /// The corners of a triangle, counted in cells.
@@ -135,7 +202,9 @@ impl Voxels<'_> {
                 shadow.add(&polygon);
             }
         }
-        gathered.cover(shadow.cover());
+        let filled = self.interior.as_ref().map_or([0.0; 3], |interior| interior.filled(entries[0].0));
+        let covered = shadow.cover();
+        gathered.cover([0, 1, 2].map(|axis| (covered[axis] + filled[axis]).min(1.0)));
         (gathered.amount > 0.0).then(|| gathered.texel(width))
     }
 
@@ -155,6 +224,16 @@ impl Voxels<'_> {
         }
         paint
     }
+}
+
+/// The cells that share a face with a cell.
+fn beside(cell: [u32; 3], edge: u32) -> impl Iterator<Item = [u32; 3]> {
+    let step = move |axis: usize, forward: bool| {
+        let mut beside = cell;
+        beside[axis] = if forward { cell[axis] + 1 } else { cell[axis].checked_sub(1)? };
+        (beside[axis] < edge).then_some(beside)
+    };
+    (0..6).filter_map(move |k| step(k / 2, k % 2 == 1))
 }
 
 /// The shares of three corners in a point of their plane.

@@ -177,8 +177,8 @@ impl Grid {
         for rod in thin {
             self.add_thin(&mut gathered, rod, low, &finishes.fibre);
         }
-        if let Some(rod) = self.add_thick(&mut gathered, &thick, low, &finishes.surface) {
-            return Some(opaque(&rod.paint));
+        if let Some(inner) = self.add_thick(&mut gathered, &thick, low, &finishes.surface) {
+            return Some(inner);
         }
         let is_seen = gathered.amount > 0.0 || gathered.depth.iter().any(|depth| *depth > 0.0);
         is_seen.then(|| gathered.texel(self.width))
@@ -201,21 +201,22 @@ impl Grid {
         }
     }
 
-    /// Adds bodies; tells the nearest one if the cell lies inside of them.
-    fn add_thick<'r>(
+    /// Adds bodies; makes the whole cell if it lies inside of them.
+    fn add_thick(
         &self,
         gathered: &mut Gathered,
-        rods: &[&'r Rod],
+        rods: &[&Rod],
         low: DVec3,
         surface: &Finish,
-    ) -> Option<&'r Rod> {
+    ) -> Option<Texel> {
         let nearest = |p: DVec3| {
             let distances = rods.iter().map(|rod| (*rod, rod.distance(p)));
             distances.min_by(|a, b| a.1.0.total_cmp(&b.1.0))
         };
-        let (rod, (value, _)) = nearest(low + 0.5 * self.width)?;
+        let (rod, (value, slope)) = nearest(low + 0.5 * self.width)?;
+        let inner = || opaque(slope.try_normalize().map_or(ISOTROPIC, |n| surface.around(n)), &rod.paint);
         if value < -HALF_DIAGONAL * self.width {
-            return Some(rod);
+            return Some(inner());
         }
         let part = self.width / PARTS as f64;
         let mut mask = Mask::default();
@@ -234,7 +235,7 @@ impl Grid {
             }
         }
         if surfaces == 0.0 && mask.is_full() {
-            return Some(rod);
+            return Some(inner());
         }
         gathered.cover(mask.cover());
         None

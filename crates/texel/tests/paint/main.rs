@@ -175,7 +175,11 @@ fn lawn(seed: u64) -> Scatter {
         seed,
         region: [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)],
         jitter: 1.0,
+        round: false,
+        grid: None,
         comb: DVec3::new(0.4, 0.0, 0.0),
+        outward: 0.0,
+        spin: 1.0,
         lean: 0.1,
         curl: 0.1,
         size: [0.8, 1.2],
@@ -218,6 +222,76 @@ fn scattered_shapes_stand_each_in_a_part_of_its_own() {
         filled.insert([cell[0], cell[1]]);
     });
     assert_eq!(filled.len(), 16);
+}
+
+/// Specks, by where they stand in cells of a sixteenth.
+fn specks(change: impl Fn(&mut Scatter)) -> Vec<[u32; 3]> {
+    let mut specks = lawn(3);
+    specks.shape.form = Form::Ellipsoid { radii: DVec3::splat(0.01) };
+    specks.region = [DVec3::ZERO, DVec3::ONE];
+    (specks.size, specks.comb) = ([1.0; 2], DVec3::ZERO);
+    change(&mut specks);
+    let volume = painted(64, [false; 3], specks.solids());
+    let mut found = Vec::new();
+    volume.for_each(2, |cell, _| found.push(cell));
+    found
+}
+
+#[test]
+fn a_grid_has_the_parts_that_are_asked_for() {
+    let found = specks(|specks| {
+        (specks.grid, specks.count, specks.jitter) = (Some([2, 1, 4]), 8, 0.0);
+        specks.region = [DVec3::splat(0.03), DVec3::splat(1.03)];
+    });
+    let expected: Vec<[u32; 3]> = (0..8).map(|i| [4 + 8 * (i % 2), 8, 2 + 4 * (i / 2)]).collect();
+    assert!(found.len() == 8 && expected.iter().all(|cell| found.contains(cell)), "{found:?}");
+}
+
+#[test]
+fn round_regions_have_no_corners() {
+    let far = |round: bool| {
+        let cells = specks(|specks| (specks.round, specks.count) = (round, 500));
+        let distance =
+            |cell: &[u32; 3]| (DVec3::from_array(cell.map(f64::from)) / 16.0 + 1.0 / 32.0 - 0.5).length();
+        (cells.len(), cells.iter().map(distance).fold(0.0, f64::max))
+    };
+    let ((round, within), (all, beyond)) = (far(true), far(false));
+    assert!(round > 400 && all > 400, "{round} {all}");
+    assert!(within < 0.5 + 0.06 && beyond > 0.7, "{within} {beyond}");
+}
+
+/// Hairs on a ball's inside stand on it: what is above the middle grows up, what is beside it sideways.
+#[test]
+fn what_grows_outward_grows_away_from_the_middle() {
+    let mut hairs = lawn(3);
+    hairs.shape.form = Form::Hair { height: 0.2, radius: 0.004, tip: 0.004, curl: 0.0 };
+    hairs.shape.material.flakes = Flakes::Along;
+    hairs.region = [DVec3::splat(0.3), DVec3::splat(0.7)];
+    (hairs.comb, hairs.lean, hairs.curl, hairs.outward) = (DVec3::ZERO, 0.0, 0.0, 100.0);
+    let volume = painted(32, [false; 3], hairs.solids());
+    let (mut right, mut all) = (0, 0);
+    volume.for_each(0, |cell, texel| {
+        let way = DVec3::from_array(cell.map(f64::from)) / 32.0 + 1.0 / 64.0 - 0.5;
+        if way.length() > 0.25 {
+            let along = texel.flakes.projected_area(way.normalize());
+            right += u32::from(along < 0.4);
+            all += 1;
+        }
+    });
+    assert!(all > 30 && f64::from(right) > 0.9 * f64::from(all), "{right} of {all}");
+}
+
+#[test]
+fn what_is_not_spun_keeps_its_way() {
+    let mut plates = lawn(3);
+    plates.shape.form = Form::Box { size: DVec3::new(0.002, 0.1, 0.1) };
+    (plates.comb, plates.lean, plates.region) = (DVec3::ZERO, 0.0, [DVec3::splat(0.1), DVec3::splat(0.9)]);
+    let ratio = |spin: f64| {
+        let plates = Scatter { spin, ..plates.clone() };
+        let flakes = whole(&painted(32, [false; 3], plates.solids())).flakes;
+        flakes.projected_area(DVec3::Y) / flakes.projected_area(DVec3::X)
+    };
+    assert!(ratio(0.0) < 0.25 && ratio(1.0) > 0.8, "{} {}", ratio(0.0), ratio(1.0));
 }
 
 /// Said before it is painted, not after minutes.

@@ -63,7 +63,8 @@ fn the_area_of_triangles_is_kept() {
     for mesh in [scattered(), ball(24)] {
         for edge in [1, 8, 32] {
             let (volume, place) = volume(&mesh, edge, &MeshOptions::default());
-            let exact = 0.5 * area(&mesh) * place.scale().powi(2);
+            let share = if Joints::of(&mesh).is_closed { 0.25 } else { 0.5 };
+            let exact = share * area(&mesh) * place.scale().powi(2);
             let error = amount(&volume) / exact - 1.0;
             // Densities are stored in steps of 0.6 %.
             assert!(error.abs() < 0.003, "{edge}: {error}");
@@ -73,8 +74,7 @@ fn the_area_of_triangles_is_kept() {
 
 #[test]
 fn a_closed_ball_has_the_projected_area_of_a_disc() {
-    let options = MeshOptions { closed: true, ..MeshOptions::default() };
-    let (volume, place) = volume(&ball(64), 32, &options);
+    let (volume, place) = volume(&ball(64), 32, &MeshOptions::default());
     let cell = volume.cell_width(0).powi(3);
     let exact = std::f64::consts::PI * place.scale().powi(2);
     for w in [DVec3::X, DVec3::Z, DVec3::ONE.normalize(), DVec3::new(0.3, -0.9, 0.2).normalize()] {
@@ -82,6 +82,100 @@ fn a_closed_ball_has_the_projected_area_of_a_disc() {
             cells(&volume).iter().map(|t| f64::from(t.density) * t.flakes.projected_area(w) * cell).sum();
         assert!((seen / exact - 1.0).abs() < 0.015, "{w}: {}", seen / exact - 1.0);
     }
+}
+
+/// The ball with every other triangle turned around.
+fn mixed_ball() -> Mesh {
+    let mut mesh = ball(24);
+    mesh.triangles.iter_mut().step_by(2).for_each(|corners| corners.swap(0, 1));
+    mesh
+}
+
+/// Both meshes as one.
+fn joined(mut a: Mesh, b: &Mesh) -> Mesh {
+    let start = a.points.len() as u32;
+    a.points.extend(&b.points);
+    a.triangles.extend(b.triangles.iter().map(|corners| corners.map(|i| start + i)));
+    a
+}
+
+fn moved(mut mesh: Mesh, scale: f64, by: [f64; 3]) -> Mesh {
+    mesh.points.iter_mut().for_each(|p| *p = [0, 1, 2].map(|k| p[k] * scale + by[k]));
+    mesh
+}
+
+#[test]
+fn joints_tell_what_is_closed_and_what_is_turned() {
+    let joints = |is_closed, is_oriented| Joints { is_closed, is_oriented };
+    assert_eq!(Joints::of(&ball(24)), joints(true, true));
+    assert_eq!(Joints::of(&mixed_ball()), joints(true, false));
+    assert!(!Joints::of(&scattered()).is_closed && !Joints::of(&Mesh::default()).is_closed);
+    let mut open = ball(24);
+    // The first triangles lie at the pole and have no area.
+    open.triangles.remove(300);
+    assert!(!Joints::of(&open).is_closed);
+    // Points of their own for each triangle: what is at the same place is the same.
+    let whole = ball(24);
+    let points = whole.triangles.iter().flatten().map(|i| whole.points[*i as usize]).collect();
+    let triangles = (0..whole.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    assert!(Joints::of(&Mesh { points, triangles, ..Mesh::default() }).is_closed);
+}
+
+/// Filled cells over those that a ball of the radius would fill.
+fn share_of_ball(volume: &Volume, radius: f64) -> f64 {
+    let cells = cells(volume).len() as f64 * volume.cell_width(0).powi(3);
+    cells / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3))
+}
+
+#[test]
+fn what_is_inside_is_filled() {
+    let full = MeshOptions { inside: Inside::Full, ..MeshOptions::default() };
+    let mut open = ball(24);
+    open.triangles.remove(300);
+    let solid = MeshOptions { body: Body::Solid, ..full };
+    for (mesh, options) in [(ball(24), full), (mixed_ball(), full), (open, solid)] {
+        let (volume, place) = volume(&mesh, 32, &options);
+        let share = share_of_ball(&volume, place.scale());
+        // Cells at the border count whole.
+        assert!((1.0..1.2).contains(&share), "{share}");
+    }
+    let (shell, place) = volume(&ball(24), 32, &MeshOptions { inside: Inside::Empty, ..full });
+    assert!(share_of_ball(&shell, place.scale()) < 0.5);
+}
+
+/// A ball in a ball: hollow if it is turned inside out, else inside and part of it. Balls through each other are one body.
+#[test]
+fn windings_tell_hollows_from_parts() {
+    let full = MeshOptions { inside: Inside::Full, ..MeshOptions::default() };
+    let mut hollow = moved(ball(24), 0.6, [0.0; 3]);
+    hollow.triangles.iter_mut().for_each(|corners| corners.swap(0, 1));
+    let middle = |mesh: &Mesh| volume(mesh, 32, &full).0.texel(0, [16; 3]).is_some();
+    assert!(!middle(&joined(ball(24), &hollow)));
+    assert!(middle(&joined(ball(24), &moved(ball(24), 0.6, [0.0; 3]))));
+    assert!(middle(&joined(moved(ball(24), 1.0, [-0.4, 0.0, 0.0]), &moved(ball(24), 1.0, [0.4, 0.0, 0.0]))));
+}
+
+/// A lamp on one side of a closed ball: nothing comes through, whatever cells the rays graze; through sheets some does.
+#[test]
+fn no_light_passes_a_closed_mesh() {
+    let passed = |options: &MeshOptions| {
+        let (volume, place) = volume(&ball(48), 32, options);
+        let radius = place.scale();
+        let mut most: f64 = 0.0;
+        for i in 0..400u32 {
+            // Directions on a spiral, each with a place in its disc.
+            let (z, turn) = ((2.0 * f64::from(i) + 1.0) / 400.0 - 1.0, 2.4 * f64::from(i));
+            let w = DVec3::new((1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z);
+            let (u, v) = w.any_orthonormal_pair();
+            let away = radius * 0.85 * (f64::from(i * 7 % 400) / 400.0).sqrt();
+            let middle = 0.5 + away * ((3.0 * turn).cos() * u + (3.0 * turn).sin() * v);
+            most = most.max(volume.transmittance(middle - w, middle + w, 0.0));
+        }
+        most
+    };
+    assert!(passed(&MeshOptions::default()) < 1e-6, "{}", passed(&MeshOptions::default()));
+    let sheets = passed(&MeshOptions { body: Body::Sheets, ..MeshOptions::default() });
+    assert!(sheets > 1e-4, "{sheets}");
 }
 
 #[test]
