@@ -352,7 +352,7 @@ pub(crate) fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], Stri
     numbers.try_into().map_err(|_| format!("{N} numbers with commas between them are needed, not {count}"))
 }
 
-fn parse_vector(text: &str) -> Result<DVec3, String> {
+pub(crate) fn parse_vector(text: &str) -> Result<DVec3, String> {
     parse_numbers(text).map(DVec3::from_array)
 }
 

@@ -66,6 +66,7 @@ Examples:
   What is in it, and how far its coarser levels are from the finest:
     fieldstone texel info lawn.texel
     fieldstone texel compare lawn.texel --json
+    fieldstone texel compare lawn.texel --sun 1,0,0.5 --csv
 
   All of it along y, a plane of it, and what the flakes of a coarser level look like:
     fieldstone texel slice lawn.texel -o lawn.png
