@@ -121,6 +121,7 @@ pub(crate) const SCHEMA: &str = "\
 Examples:
   A schema beside the scenes; editors complete keys by it, and show what they mean:
     fieldstone schema > scene.schema.json
+    fieldstone schema recipe > recipe.schema.json
 
   In editors with the TOML tools of Taplo, a scene names it in its first line:
     #:schema ./scene.schema.json";
