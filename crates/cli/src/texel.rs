@@ -157,7 +157,9 @@ fn build(arguments: &BuildArguments, start: Instant) -> Result<(), Failure> {
     if arguments.quiet {
         return Ok(());
     }
-    let text = format!("{}built in   {:.2} s\n", Report::new(&volume).text(), start.elapsed().as_secs_f64());
+    let seconds = start.elapsed().as_secs_f64();
+    let text =
+        format!("{}built in   {seconds:.2} s (1995: 8 s at 256 cells)\n", Report::new(&volume).text());
     print_text(&text)
 }
 
