@@ -158,8 +158,7 @@ fn build(arguments: &BuildArguments, start: Instant) -> Result<(), Failure> {
         return Ok(());
     }
     let seconds = start.elapsed().as_secs_f64();
-    let text =
-        format!("{}built in   {seconds:.2} s (1995: 8 s at 256 cells)\n", Report::new(&volume).text());
+    let text = format!("{}built in   {seconds:.2} s (1995: 8 s at 256 cells)\n", Report::new(&volume).text());
     print_text(&text)
 }
 

@@ -235,6 +235,11 @@ fn scatter(read: Spanned<ScatterText>, errors: &mut Vec<Diagnostic>) -> Option<S
         let error = Diagnostic::error(span, "a scatter has a `count` or a `grid`", "neither is here");
         errors.push(error.with_help("write count = 100, or grid = [4, 4, 1]"));
     }
+    let parts = text.grid.map_or(1, |grid| grid.iter().map(|n| u64::from(n.0)).product::<u64>());
+    if parts > MAX_COPIES {
+        let message = format!("a grid has at most {MAX_COPIES} parts, not {parts}");
+        errors.push(Diagnostic::error(text.shape.span(), message, "the scatter of this"));
+    }
     let [x0, y0, z0, x1, y1, z1] =
         text.region.as_ref().map_or(USUAL_REGION, |region| region.get_ref().map(|place| place.0));
     let region = [DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)];
@@ -326,7 +331,8 @@ mod tests {
     fn all_errors_are_told_at_once_and_none_twice() {
         let text = "edge = 12\ncyclic = [\"q\"]\n[[shapes]]\nboll = 1\ndisc = { radius = -1, thickness = 1 }\n\
                     [[shapes]]\nat = [0, 0, 0]\n[[scatters]]\nshape = { hair = { height = 1, radius = 0.01 } }\n\
-                    region = [1, 0, 0, 0, 1, 1]\nsize = [2, 1]\n[[scatters]]\nshape = { hair = { height = 1 } }\ncount = 1";
+                    region = [1, 0, 0, 0, 1, 1]\nsize = [2, 1]\n[[scatters]]\nshape = { hair = { height = 1, radius = 0.1 } }\n\
+                    grid = [200, 200, 200]\ncount = 1\n[[scatters]]\nshape = { hair = { height = 1 } }\ncount = 1";
         let check = |text: &str, expected: &[&str]| {
             let found = error(text);
             assert_eq!(found.matches("error: ").count(), expected.len(), "{found}");
@@ -345,8 +351,12 @@ mod tests {
             "a scatter has a `count`",
             "a region is x0",
             "sizes are the smallest and the greatest",
+            "a grid has at most 100000 parts, not 8000000",
         ];
-        check(&text.replace("edge = 12", "edge = 16"), &[of_values, of_tables].concat());
+        check(
+            &text.replace("edge = 12", "edge = 16"),
+            &[of_values.as_slice(), of_tables.as_slice()].concat(),
+        );
     }
 
     #[test]
