@@ -14,6 +14,7 @@ use crate::examples;
 use crate::failure::Failure;
 use crate::measure::MeasureArguments;
 use crate::plot::PlotArguments;
+use crate::schema::SchemaArguments;
 use crate::texel::TexelCommand;
 
 /// The headings of the options in the help.
@@ -62,9 +63,9 @@ pub(crate) enum Command {
     /// Make volumes of texels, and look into them.
     #[command(subcommand, after_help = examples::TEXEL)]
     Texel(TexelCommand),
-    /// Print the JSON Schema of scene files, for editors.
+    /// Print the JSON Schema of scene files, or of recipes, for editors.
     #[command(after_help = examples::SCHEMA)]
-    Schema,
+    Schema(SchemaArguments),
     /// Print the completions of a shell, for its start-up file.
     #[command(after_help = examples::COMPLETIONS)]
     Completions(CompletionsArguments),
@@ -355,7 +356,7 @@ pub(crate) fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], Stri
     numbers.try_into().map_err(|_| format!("{N} numbers with commas between them are needed, not {count}"))
 }
 
-fn parse_vector(text: &str) -> Result<DVec3, String> {
+pub(crate) fn parse_vector(text: &str) -> Result<DVec3, String> {
     parse_numbers(text).map(DVec3::from_array)
 }
 

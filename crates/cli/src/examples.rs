@@ -66,6 +66,7 @@ Examples:
   What is in it, and how far its coarser levels are from the finest:
     fieldstone texel info lawn.texel
     fieldstone texel compare lawn.texel --json
+    fieldstone texel compare lawn.texel --sun 1,0,0.5 --csv
 
   All of it along y, a plane of it, and what the flakes of a coarser level look like:
     fieldstone texel slice lawn.texel -o lawn.png
@@ -120,6 +121,7 @@ pub(crate) const SCHEMA: &str = "\
 Examples:
   A schema beside the scenes; editors complete keys by it, and show what they mean:
     fieldstone schema > scene.schema.json
+    fieldstone schema recipe > recipe.schema.json
 
   In editors with the TOML tools of Taplo, a scene names it in its first line:
     #:schema ./scene.schema.json";

@@ -6,7 +6,7 @@ use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use fieldstone::write_beside;
 
-/// Writes a manual page for the program and one for each of its commands.
+/// Writes a manual page for the program and one for each of its commands, and theirs.
 pub(crate) fn run(arguments: &ManArguments) -> Result<(), Failure> {
     let folder = &arguments.folder;
     if !folder.is_dir() {
@@ -23,13 +23,17 @@ fn pages() -> Vec<(String, Man)> {
     let mut program = Arguments::command();
     // Hands what holds for all commands on to them.
     program.build();
-    let commands = std::iter::once(&program)
-        .chain(program.get_subcommands().filter(|command| command.get_name() != "help"));
     let page = |command: &Command| {
         let source = concat!("fieldstone ", env!("CARGO_PKG_VERSION"));
         Man::new(command.clone()).source(source).manual("Fieldstone")
     };
-    commands.map(|command| (name(command), page(command))).collect()
+    with_parts(&program).into_iter().map(|command| (name(command), page(command))).collect()
+}
+
+/// A command, its commands, and theirs.
+fn with_parts(command: &Command) -> Vec<&Command> {
+    let parts = command.get_subcommands().filter(|part| part.get_name() != "help");
+    std::iter::once(command).chain(parts.flat_map(with_parts)).collect()
 }
 
 /// `fieldstone-render` for `fieldstone render`.

@@ -1,9 +1,10 @@
 //! `fieldstone texel`.
 
-use crate::arguments::{OUTPUT, parse_number};
+use crate::arguments::{OUTPUT, parse_number, parse_vector};
 use crate::failure::Failure;
 use crate::render::check_writable;
 use clap::{Args, Subcommand, ValueEnum};
+use fieldstone::glam::DVec3;
 use fieldstone::{
     Cut, CutContent, Fidelity, Mode, Recipe, Size, TexelError, Volume, load_volume, write_rgb, write_volume,
 };
@@ -21,7 +22,7 @@ pub(crate) enum TexelCommand {
     /// Say what is in a volume.
     Info(InfoArguments),
     /// Compare every level with the box-filtered finest, for both filters.
-    Compare(InfoArguments),
+    Compare(CompareArguments),
     /// Draw a plane of a volume, or all planes before each other.
     Slice(SliceArguments),
 }
@@ -45,7 +46,7 @@ pub(crate) struct BuildArguments {
     quiet: bool,
 }
 
-/// The arguments of `texel info` and `texel compare`.
+/// The arguments of `texel info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArguments {
     /// The volume (.texel).
@@ -53,6 +54,22 @@ pub(crate) struct InfoArguments {
     /// Print JSON.
     #[arg(long, help_heading = OUTPUT)]
     json: bool,
+}
+
+/// The arguments of `texel compare`.
+#[derive(Debug, Args)]
+pub(crate) struct CompareArguments {
+    /// The volume (.texel).
+    volume: PathBuf,
+    /// The direction to the sun that throws the oblique shadow.
+    #[arg(long, value_name = "X,Y,Z", default_value = "0.5,-0.4,0.8", allow_hyphen_values = true, value_parser = parse_vector)]
+    sun: DVec3,
+    /// Print JSON.
+    #[arg(long, help_heading = OUTPUT)]
+    json: bool,
+    /// Print CSV.
+    #[arg(long, help_heading = OUTPUT, conflicts_with = "json")]
+    csv: bool,
 }
 
 /// The arguments of `texel slice`.
@@ -113,8 +130,11 @@ pub(crate) fn run(command: &TexelCommand, start: Instant) -> Result<(), Failure>
             print(arguments.json, &report, || report.text())
         }
         TexelCommand::Compare(arguments) => {
-            let rows = compared(&load_volume(&arguments.volume)?)?;
-            print(arguments.json, &rows, || table(&rows))
+            if arguments.sun == DVec3::ZERO {
+                return Err(Failure::Usage("--sun: a direction is not 0,0,0".to_owned()));
+            }
+            let rows = compared(&load_volume(&arguments.volume)?, arguments.sun)?;
+            print(arguments.json, &rows, || if arguments.csv { csv(&rows) } else { table(&rows) })
         }
         TexelCommand::Slice(arguments) => slice(arguments),
     }
@@ -137,7 +157,8 @@ fn build(arguments: &BuildArguments, start: Instant) -> Result<(), Failure> {
     if arguments.quiet {
         return Ok(());
     }
-    let text = format!("{}built in   {:.2} s\n", Report::new(&volume).text(), start.elapsed().as_secs_f64());
+    let seconds = start.elapsed().as_secs_f64();
+    let text = format!("{}built in   {seconds:.2} s (1995: 8 s at 256 cells)\n", Report::new(&volume).text());
     print_text(&text)
 }
 
@@ -251,31 +272,58 @@ struct Row {
     rmse: f64,
     drift: f64,
     contrast: Option<f64>,
+    sun_rmse: f64,
+    sun_drift: f64,
+    sun_contrast: Option<f64>,
 }
 
-fn compared(volume: &Volume) -> Result<Vec<Row>, Failure> {
+fn compared(volume: &Volume, to_sun: DVec3) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     for mode in [Mode::Sggx, Mode::Neyret1995] {
         let filtered =
             if volume.mode() == mode { None } else { Some(volume.filtered(mode).map_err(TexelError::from)?) };
-        let found = filtered.as_ref().unwrap_or(volume).compare();
-        rows.extend(found.into_iter().map(|Fidelity { level, rmse, drift, contrast }| Row {
+        let filtered = filtered.as_ref().unwrap_or(volume);
+        let both = filtered.compare().into_iter().zip(filtered.compare_in_sun(to_sun));
+        rows.extend(both.map(|(Fidelity { level, rmse, drift, contrast }, sun)| Row {
             filter: name(mode),
             level,
             edge: volume.edge() >> level,
             rmse,
             drift,
             contrast,
+            sun_rmse: sun.rmse,
+            sun_drift: sun.drift,
+            sun_contrast: sun.contrast,
         }));
     }
     Ok(rows)
 }
 
 fn table(rows: &[Row]) -> String {
-    let mut text = "filter level edge   rmse    drift  contrast\n".to_owned();
-    for Row { filter, level, edge, rmse, drift, contrast } in rows {
-        let contrast = contrast.map_or("-".to_owned(), |contrast| format!("{contrast:.3}"));
-        let _ = writeln!(text, "{filter:<6} {level:>5} {edge:>4} {rmse:>6.4} {drift:>+8.4} {contrast:>9}");
+    let mut text = "                   along x, y, z              in the sun\n".to_owned();
+    text += "filter level edge   rmse    drift  contrast   rmse    drift  contrast\n";
+    for row in rows {
+        let Row { filter, level, edge, rmse, drift, sun_rmse, sun_drift, .. } = row;
+        let [contrast, in_sun] = [row.contrast, row.sun_contrast]
+            .map(|contrast| contrast.map_or("-".to_owned(), |contrast| format!("{contrast:.3}")));
+        let _ = writeln!(
+            text,
+            "{filter:<6} {level:>5} {edge:>4} {rmse:>6.4} {drift:>+8.4} {contrast:>9} {sun_rmse:>6.4} {sun_drift:>+8.4} {in_sun:>9}"
+        );
     }
-    text + "\nOpacities of shadows along x, y and z, beside those of level 0 box-filtered. Contrast: 1 is right, less is haze.\n"
+    text + "\nOpacities of shadows beside those of level 0, box-filtered. Contrast: 1 is right, less is haze.\n"
+}
+
+fn csv(rows: &[Row]) -> String {
+    let mut text = "filter,level,edge,rmse,drift,contrast,sun_rmse,sun_drift,sun_contrast\n".to_owned();
+    for row in rows {
+        let Row { filter, level, edge, rmse, drift, sun_rmse, sun_drift, .. } = row;
+        let [contrast, in_sun] = [row.contrast, row.sun_contrast]
+            .map(|contrast| contrast.map_or(String::new(), |contrast| contrast.to_string()));
+        let _ = writeln!(
+            text,
+            "{filter},{level},{edge},{rmse},{drift},{contrast},{sun_rmse},{sun_drift},{in_sun}"
+        );
+    }
+    text
 }

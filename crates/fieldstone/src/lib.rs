@@ -103,7 +103,9 @@ pub use plot::{
 };
 pub use request::{RenderRequest, RequestError, Resolved, Warning};
 pub use slice::{Plane, SliceRequest, SliceRequestError, SliceWarning};
-pub use texel::{Cut, CutContent, CutPicture, MAX_CUT_PIXELS, Recipe, TexelError, load_volume, write_volume};
+pub use texel::{
+    Cut, CutContent, CutPicture, MAX_CUT_PIXELS, Recipe, TexelError, load_volume, recipe_schema, write_volume,
+};
 
 pub use fieldstone_field::{Bindings, Field, Graph, Input, NodeId};
 pub use fieldstone_lang::{

@@ -16,7 +16,8 @@
 //! | 4 | CRC-32 of everything before |
 //!
 //! Cells of a level stand in Morton order. A file is read as a whole; its size is checked against its header
-//! before memory is taken.
+//! before memory is taken. It is not mapped into memory: a file that another process changes or cuts short while it is mapped is
+//! undefined behaviour, which only `unsafe` code may risk, and a checksum reads every byte in any case.
 
 use crate::pack::Packed;
 use crate::volume::Level;

@@ -1,6 +1,8 @@
 //! What a volume takes, and how far its coarser levels are from its finest.
 
-use crate::Volume;
+use crate::{Ray, Volume};
+use glam::DVec3;
+use rayon::prelude::*;
 
 /// The size of a volume; see [`Volume::size`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +24,8 @@ impl Size {
     }
 }
 
-/// How a level compares with the finest level, box-filtered to its size; see [`Volume::compare`].
+/// How a level compares with the finest level, box-filtered to its size; see [`Volume::compare`] and
+/// [`Volume::compare_in_sun`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fidelity {
     /// The level, from 1.
@@ -61,9 +64,30 @@ impl Volume {
             })
             .collect()
     }
+
+    /// The same by the shadow that parallel light from the direction `to_sun` throws on a plane across it: a picture of the square
+    /// around the cube, as wide as its diagonal, with as many rays along a side as the finest level has cells, at most 256.
+    /// Those of coarser levels have the same rays, and both pictures are box-filtered to the size of the level.
+    ///
+    /// Nothing if the direction is 0 or not finite.
+    pub fn compare_in_sun(&self, to_sun: DVec3) -> Vec<Fidelity> {
+        let Some(w) = to_sun.try_normalize() else { return Vec::new() };
+        let finest = Shadows::in_sun(self, 0, w);
+        let halved = |shadow: &Shadows, level: u32| {
+            (0..level).fold(shadow.clone(), |s, _| if s.side > 1 { s.halved() } else { s })
+        };
+        let row = |level| {
+            let found = halved(&Shadows::in_sun(self, level, w), level);
+            found.fidelity(level, &halved(&finest, level), finest.mean())
+        };
+        (1..self.levels()).map(row).collect()
+    }
 }
 
-/// Pictures of opacity along x, y and z, one after the other.
+/// The most rays along a side of the picture of a shadow.
+const MOST_RAYS: u32 = 256;
+
+/// Pictures of opacity along x, y and z, one after the other, or one along another direction.
 #[derive(Clone, Debug)]
 struct Shadows {
     side: usize,
@@ -83,6 +107,19 @@ impl Shadows {
         Self { side, opacity: depths.iter().map(|depth| -(-depth).exp_m1()).collect() }
     }
 
+    fn in_sun(volume: &Volume, level: u32, w: DVec3) -> Self {
+        let side = volume.edge().min(MOST_RAYS) as usize;
+        let (u, v) = w.any_orthonormal_pair();
+        let place = |i: usize| 3f64.sqrt() * ((i as f64 + 0.5) / side as f64 - 0.5);
+        let pixel = |i: usize| {
+            let ray = Ray { origin: 0.5 + u * place(i % side) + v * place(i / side), direction: w };
+            // Cyclic volumes go on beyond the cube.
+            let depth = ray.span().map_or(0.0, |span| volume.depth_along(&ray, span, |_| level as f32));
+            -(-depth).exp_m1()
+        };
+        Self { side, opacity: (0..side * side).into_par_iter().map(pixel).collect() }
+    }
+
     /// Means of 2 × 2 pixels.
     fn halved(&self) -> Self {
         let side = self.side / 2;
@@ -92,7 +129,7 @@ impl Shadows {
             0.25 * (self.opacity[at] + self.opacity[at + 1])
                 + 0.25 * (self.opacity[at + self.side] + self.opacity[at + self.side + 1])
         };
-        Self { side, opacity: (0..3 * side * side).map(pixel).collect() }
+        Self { side, opacity: (0..self.opacity.len() / 4).map(pixel).collect() }
     }
 
     fn mean(&self) -> f64 {
@@ -106,7 +143,9 @@ impl Shadows {
             let squares: f64 = picture.iter().map(|value| (value - mean).powi(2)).sum();
             (squares / picture.len() as f64).sqrt()
         };
-        self.opacity.chunks_exact(self.side * self.side).map(deviation).sum::<f64>() / 3.0
+        let pictures = self.opacity.chunks_exact(self.side * self.side);
+        let count = pictures.len() as f64;
+        pictures.map(deviation).sum::<f64>() / count
     }
 
     fn fidelity(&self, level: u32, expected: &Self, mean: f64) -> Fidelity {

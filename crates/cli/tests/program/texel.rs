@@ -28,6 +28,10 @@ fn a_lawn_is_built_told_of_compared_and_cut() {
     assert_eq!((info["edge"].as_u64(), info["stored_bytes"].as_u64()), (Some(32), Some(bytes)));
     let run = place.run(&["texel", "compare", "lawn.texel"], "");
     assert_eq!((run.code, run.out.lines().filter(|line| line.starts_with("1995")).count()), (0, 5));
+    let run = place.run(&["texel", "compare", "lawn.texel", "--csv", "--sun", "1,0,0.5"], "");
+    let widths: Vec<usize> = run.out.lines().map(|line| line.split(',').count()).collect();
+    assert_eq!((run.code, widths), (0, vec![9; 11]), "{}", run.out);
+    assert_eq!(place.run(&["texel", "compare", "lawn.texel", "--sun", "0,0,0"], "").code, 2);
     let run = place.run(&["texel", "slice", "lawn.texel", "-o", "lawn.png", "--axis", "x"], "");
     assert_eq!((run.code, run.err.as_str()), (0, ""));
     assert_eq!(image::open(place.path("lawn.png")).unwrap().width(), 512);

@@ -1,11 +1,13 @@
 //! Volumes of texels: what they are made of, their files, and pictures of what is in them.
 
 mod cut;
+mod mend;
 mod recipe;
+mod text;
 mod values;
 
 pub use cut::{Cut, CutContent, CutPicture, MAX_CUT_PIXELS};
-pub use recipe::Recipe;
+pub use recipe::{Recipe, recipe_schema};
 
 use crate::load::{LoadError, open_regular};
 use crate::output::{OutputError, write_beside};

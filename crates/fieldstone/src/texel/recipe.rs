@@ -1,18 +1,26 @@
 //! Recipes: TOML texts that say what is painted into a volume. `docs/texels.md` describes them.
 
 use super::TexelError;
-use super::values::{
-    Colour, Count, Degrees, Direction, Edge, Exponent, Extinction, Fold, Length, Place, Seed, Share, Size,
-    Spread, vector,
-};
+use super::mend::{self, Mended};
+use super::text::{Axis, FilterName, FlakesText, PhongText, RecipeText, ScatterText, ShapeText, TubeText};
+use super::values::{Degrees, Edge, Length, vector};
 use crate::load::{LoadError, read_text};
 use fieldstone_lang::{Diagnostic, Diagnostics, Source};
 use fieldstone_texel::paint::{Flakes, Form, Frame, Material, Scatter, Shape, paint};
 use fieldstone_texel::{Builder, Mode, Phong, Volume};
 use glam::{DMat3, DVec3};
-use serde::Deserialize;
+use serde_json::Value;
+use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
+
+/// A JSON Schema (draft 2020-12) that recipes satisfy when they are read as JSON: editors complete keys with it. What it
+/// cannot say, such as that a shape is one thing, is checked when a recipe is read.
+pub fn recipe_schema() -> Value {
+    let mut schema = schemars::schema_for!(RecipeText);
+    schema.insert("title".to_owned(), "Fieldstone recipe of a volume".into());
+    schema.into()
+}
 
 /// What is painted into a volume.
 #[derive(Clone, Debug)]
@@ -39,7 +47,7 @@ impl Recipe {
     /// # Errors
     /// A text that is no recipe.
     pub fn parse(source: Source) -> Result<Self, Diagnostics> {
-        read(&source.text).map_err(|error| Diagnostics { source, list: vec![error] })
+        read(&source.text).map_err(|list| Diagnostics { source, list })
     }
 
     /// Cells along the volume's edge.
@@ -74,206 +82,53 @@ impl Recipe {
     }
 }
 
-fn read(text: &str) -> Result<Recipe, Diagnostic> {
-    let read: RecipeText = toml::from_str(text).map_err(|error| {
-        let span = error.span().unwrap_or(text.len()..text.len());
-        let message = error.message().lines().collect::<Vec<_>>().join(": ");
-        Diagnostic::error(span, message, "here").with_help("docs/texels.md describes what may stand here")
-    })?;
-    if read.shapes.is_empty() && read.scatters.is_empty() {
-        let error = Diagnostic::error(0..0, "nothing is painted", "no [[shapes]] and no [[scatters]]");
-        return Err(error.with_help("begin with [[shapes]] and ball = { radii = [0.3, 0.3, 0.3] }"));
+/// What of a recipe makes sense, and all that does not.
+fn read(text: &str) -> Result<Recipe, Vec<Diagnostic>> {
+    let Mended { value, mut errors, damaged } = mend::read::<RecipeText>(text);
+    let Some(read) = value else { return Err(errors) };
+    let mut list = Vec::new();
+    if errors.is_empty() {
+        list.extend(check_amounts(&read));
     }
-    let copies: u64 = read.scatters.iter().map(|scatter| scatter.get_ref().copies()).sum();
-    if let (true, Some(last)) = (copies > MAX_COPIES, read.scatters.last()) {
-        let message = format!("{copies} copies are too many, at most {MAX_COPIES} are painted");
-        return Err(Diagnostic::error(last.span(), message, "the last scatter"));
+    // What is wrong with a shape of which a part was left out follows from that part.
+    let is_whole = |span: Range<usize>| !damaged.contains(&span);
+    let shapes = read.shapes.into_iter().filter(|shape| is_whole(shape.span()));
+    let shapes = shapes.filter_map(|text| shape(text).map_err(|error| list.push(error)).ok()).collect();
+    let mut scatters = Vec::new();
+    for text in read.scatters {
+        if is_whole(text.span()) && is_whole(text.get_ref().shape.span()) {
+            scatters.extend(scatter(text, &mut list));
+        }
+    }
+    errors.extend(list);
+    if !errors.is_empty() {
+        errors.sort_by_key(|error| error.span.start);
+        return Err(errors);
     }
     Ok(Recipe {
         edge: read.edge.0,
         cyclic: [Axis::X, Axis::Y, Axis::Z].map(|axis| read.cyclic.contains(&axis)),
         mode: read.filter.map_or(Mode::default(), FilterName::mode),
         phong: read.phong.map_or(Phong::default(), PhongText::phong),
-        shapes: read.shapes.into_iter().map(shape).collect::<Result<_, _>>()?,
-        scatters: read.scatters.into_iter().map(scatter).collect::<Result<_, _>>()?,
+        shapes,
+        scatters,
     })
+}
+
+/// Nothing, and too much.
+fn check_amounts(read: &RecipeText) -> Option<Diagnostic> {
+    if read.shapes.is_empty() && read.scatters.is_empty() {
+        let error = Diagnostic::error(0..0, "nothing is painted", "no [[shapes]] and no [[scatters]]");
+        return Some(error.with_help("begin with [[shapes]] and ellipsoid = { radii = [0.3, 0.3, 0.3] }"));
+    }
+    let copies: u64 = read.scatters.iter().map(|scatter| scatter.get_ref().copies()).sum();
+    let last = read.scatters.last().filter(|_| copies > MAX_COPIES)?;
+    let message = format!("{copies} copies are too many, at most {MAX_COPIES} are painted");
+    Some(Diagnostic::error(last.span(), message, "the last scatter"))
 }
 
 /// The greatest number of copies in a recipe.
 const MAX_COPIES: u64 = 100_000;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RecipeText {
-    edge: Edge,
-    #[serde(default)]
-    cyclic: Vec<Axis>,
-    filter: Option<FilterName>,
-    phong: Option<PhongText>,
-    #[serde(default)]
-    shapes: Vec<Spanned<ShapeText>>,
-    #[serde(default)]
-    scatters: Vec<Spanned<ScatterText>>,
-}
-
-#[derive(Clone, Copy, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Axis {
-    X,
-    Y,
-    Z,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-enum FilterName {
-    #[serde(rename = "sggx")]
-    Sggx,
-    #[serde(rename = "1995")]
-    Old,
-}
-
-impl FilterName {
-    fn mode(self) -> Mode {
-        match self {
-            Self::Sggx => Mode::Sggx,
-            Self::Old => Mode::Neyret1995,
-        }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PhongText {
-    diffuse: Share,
-    specular: Share,
-    exponent: Exponent,
-}
-
-impl PhongText {
-    fn phong(self) -> Phong {
-        let [diffuse, specular, exponent] =
-            [self.diffuse.0, self.specular.0, self.exponent.0].map(|x| x as f32);
-        Phong { diffuse, specular, exponent }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ShapeText {
-    ellipsoid: Option<EllipsoidText>,
-    cylinder: Option<CylinderText>,
-    cone: Option<ConeText>,
-    disc: Option<DiscText>,
-    #[serde(rename = "box")]
-    cuboid: Option<BoxText>,
-    blade: Option<BladeText>,
-    hair: Option<HairText>,
-    tube: Option<TubeText>,
-    at: Option<[Place; 3]>,
-    axis: Option<Direction>,
-    toward: Option<Direction>,
-    size: Option<Length>,
-    #[serde(alias = "color")]
-    colour: Option<Colour>,
-    gloss: Option<Share>,
-    roughness: Option<Share>,
-    variation: Option<Spread>,
-    density: Option<Extinction>,
-    flakes: Option<FlakesText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EllipsoidText {
-    radii: [Length; 3],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CylinderText {
-    radius: Length,
-    height: Length,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ConeText {
-    radius: Length,
-    top: Option<Size>,
-    height: Length,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DiscText {
-    radius: Length,
-    thickness: Length,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BoxText {
-    size: [Length; 3],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BladeText {
-    height: Length,
-    width: Length,
-    fold: Option<Fold>,
-    thickness: Option<Length>,
-    curl: Option<Degrees>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct HairText {
-    height: Length,
-    radius: Length,
-    tip: Option<Size>,
-    curl: Option<Degrees>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TubeText {
-    points: Spanned<Vec<[Place; 3]>>,
-    radius: Length,
-    tip: Option<Size>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum FlakesText {
-    Surface,
-    Along,
-    Radial,
-    Concentric,
-    Smoothed(Place),
-    Fibre(Direction),
-    Ellipsoid([Length; 3]),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ScatterText {
-    shape: Spanned<ShapeText>,
-    count: Option<Count>,
-    grid: Option<[Count; 3]>,
-    seed: Option<Seed>,
-    region: Option<Spanned<[Place; 6]>>,
-    #[serde(default)]
-    round: bool,
-    jitter: Option<Share>,
-    comb: Option<[Place; 3]>,
-    outward: Option<Place>,
-    spin: Option<Share>,
-    lean: Option<Degrees>,
-    curl: Option<Degrees>,
-    size: Option<Spanned<[Length; 2]>>,
-    tint: Option<Share>,
-}
 
 const FORMS: &str = "ellipsoid, cylinder, cone, disc, box, blade, hair or tube";
 
@@ -370,48 +225,37 @@ fn material(text: &ShapeText) -> Material {
     }
 }
 
-impl ScatterText {
-    fn copies(&self) -> u64 {
-        let parts = self.grid.map(|grid| grid.iter().map(|n| u64::from(n.0)).product::<u64>());
-        match (self.count, parts) {
-            (Some(count), Some(parts)) => parts.min(u64::from(count.0)),
-            (Some(count), None) => u64::from(count.0),
-            (None, parts) => parts.unwrap_or(0),
-        }
-    }
-}
-
-fn scatter(read: Spanned<ScatterText>) -> Result<Scatter, Diagnostic> {
+/// A scatter, unless something is wrong with it.
+fn scatter(read: Spanned<ScatterText>, errors: &mut Vec<Diagnostic>) -> Option<Scatter> {
+    let before = errors.len();
     let span = read.span();
     let text = read.into_inner();
     let copies = text.copies();
     if copies == 0 {
         let error = Diagnostic::error(span, "a scatter has a `count` or a `grid`", "neither is here");
-        return Err(error.with_help("write count = 100, or grid = [4, 4, 1]"));
+        errors.push(error.with_help("write count = 100, or grid = [4, 4, 1]"));
     }
-    let usual_region = [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)];
-    let region = text.region.map_or(Ok(usual_region), |region| {
-        let [x0, y0, z0, x1, y1, z1] = region.get_ref().map(|place| place.0);
-        let (low, high) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
+    let parts = text.grid.map_or(1, |grid| grid.iter().map(|n| u64::from(n.0)).product::<u64>());
+    if parts > MAX_COPIES {
+        let message = format!("a grid has at most {MAX_COPIES} parts, not {parts}");
+        errors.push(Diagnostic::error(text.shape.span(), message, "the scatter of this"));
+    }
+    let [x0, y0, z0, x1, y1, z1] =
+        text.region.as_ref().map_or(USUAL_REGION, |region| region.get_ref().map(|place| place.0));
+    let region = [DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)];
+    if let Some(text) = text.region.filter(|_| !region[0].cmple(region[1]).all()) {
         let message = "a region is x0, y0, z0, x1, y1, z1 with x0 <= x1 and so on";
-        if low.cmple(high).all() {
-            Ok([low, high])
-        } else {
-            Err(Diagnostic::error(region.span(), message, "empty"))
-        }
-    })?;
-    let size = text.size.map_or(Ok([1.0; 2]), |size| {
-        let [least, most] = size.get_ref().map(|length| length.0);
+        errors.push(Diagnostic::error(text.span(), message, "empty"));
+    }
+    let size = text.size.as_ref().map_or([1.0; 2], |size| size.get_ref().map(|length| length.0));
+    if let Some(text) = text.size.filter(|_| size[0] > size[1]) {
         let message = "sizes are the smallest and the greatest";
-        if least <= most {
-            Ok([least, most])
-        } else {
-            Err(Diagnostic::error(size.span(), message, "the other way round"))
-        }
-    })?;
+        errors.push(Diagnostic::error(text.span(), message, "the other way round"));
+    }
     let radians = |angle: Option<Degrees>| angle.map_or(0.0, |degrees| degrees.0.to_radians());
-    Ok(Scatter {
-        shape: shape(text.shape)?,
+    let shape = shape(text.shape).map_err(|error| errors.push(error)).ok()?;
+    let scatter = Scatter {
+        shape,
         count: u32::try_from(copies).unwrap_or(u32::MAX),
         round: text.round,
         grid: text.grid.map(|grid| grid.map(|n| n.0)),
@@ -425,8 +269,12 @@ fn scatter(read: Spanned<ScatterText>) -> Result<Scatter, Diagnostic> {
         curl: radians(text.curl),
         size,
         tint: text.tint.map_or(0.0, |tint| tint.0),
-    })
+    };
+    (errors.len() == before).then_some(scatter)
 }
+
+/// Where copies stand if nothing is said.
+const USUAL_REGION: [f64; 6] = [0.0, 0.0, 0.0, 1.0, 1.0, 0.0];
 
 #[cfg(test)]
 mod tests {
@@ -477,6 +325,61 @@ mod tests {
             }
         }
         assert!(count >= 5, "{count}");
+    }
+
+    #[test]
+    fn all_errors_are_told_at_once_and_none_twice() {
+        let text = "edge = 12\ncyclic = [\"q\"]\n[[shapes]]\nboll = 1\ndisc = { radius = -1, thickness = 1 }\n\
+                    [[shapes]]\nat = [0, 0, 0]\n[[scatters]]\nshape = { hair = { height = 1, radius = 0.01 } }\n\
+                    region = [1, 0, 0, 0, 1, 1]\nsize = [2, 1]\n[[scatters]]\nshape = { hair = { height = 1, radius = 0.1 } }\n\
+                    grid = [200, 200, 200]\ncount = 1\n[[scatters]]\nshape = { hair = { height = 1 } }\ncount = 1";
+        let check = |text: &str, expected: &[&str]| {
+            let found = error(text);
+            assert_eq!(found.matches("error: ").count(), expected.len(), "{found}");
+            expected.iter().for_each(|message| assert!(found.contains(message), "{message}: {found}"));
+        };
+        let of_values = [
+            "unknown variant `q`",
+            "unknown field `boll`",
+            "expected a length above 0",
+            "missing field `radius`",
+        ];
+        check(text, &[&["expected a power of two"], of_values.as_slice()].concat());
+        // With an edge, what the tables say is judged too; what was wrong before is not told again.
+        let of_tables = [
+            "a shape is one of",
+            "a scatter has a `count`",
+            "a region is x0",
+            "sizes are the smallest and the greatest",
+            "a grid has at most 100000 parts, not 8000000",
+        ];
+        check(
+            &text.replace("edge = 12", "edge = 16"),
+            &[of_values.as_slice(), of_tables.as_slice()].concat(),
+        );
+    }
+
+    #[test]
+    fn recipes_of_the_gallery_fit_the_schema() {
+        let validator = jsonschema::validator_for(&recipe_schema()).expect("a schema");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let text = std::fs::read_to_string(entry.expect("an entry").path()).expect("a text");
+            let recipe: Value = toml::from_str(&text).expect("TOML");
+            assert!(
+                validator.is_valid(&recipe),
+                "{:?}",
+                validator.iter_errors(&recipe).next().map(|e| e.to_string())
+            );
+        }
+        for wrong in [
+            "edge = -1",
+            "edge = 16\nshapes = [{ disc = { radius = 0, thickness = 1 } }]",
+            "edge = 16\nsize = 1",
+        ] {
+            let recipe: Value = toml::from_str(wrong).expect("TOML");
+            assert!(!validator.is_valid(&recipe), "{wrong}");
+        }
     }
 
     #[test]

@@ -3,13 +3,26 @@
 use crate::document::named_colour;
 use fieldstone_scene::srgb_to_linear;
 use glam::DVec3;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::{self, Deserializer, SeqAccess, Visitor};
+use std::borrow::Cow;
 use std::fmt;
 
 macro_rules! ranged {
-    ($($(#[$about:meta])* $name:ident($from:ty as $inner:ty) if $rule:expr, $words:literal;)*) => {
-        $($(#[$about])*
+    ($($(#[$about:meta])* $name:ident($from:ty as $inner:ty) if $rule:expr, $words:literal, $schema:tt;)*) => {
+        $(
+        impl JsonSchema for $name {
+            fn schema_name() -> Cow<'static, str> {
+                stringify!($name).into()
+            }
+
+            fn json_schema(_: &mut SchemaGenerator) -> Schema {
+                json_schema!($schema)
+            }
+        }
+
+        $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
         #[serde(try_from = "f64")]
         pub(super) struct $name(pub(super) $inner);
@@ -30,29 +43,41 @@ const LONGEST: f64 = 100.0;
 
 ranged! {
     /// A length.
-    Length(f64 as f64) if |x| x > 0.0 && x <= LONGEST, "a length above 0, at most 100 edges of the volume";
+    Length(f64 as f64) if |x| x > 0.0 && x <= LONGEST, "a length above 0, at most 100 edges of the volume",
+        { "type": "number", "exclusiveMinimum": 0, "maximum": LONGEST };
     /// A length that may be 0.
-    Size(f64 as f64) if |x| (0.0..=LONGEST).contains(&x), "a length from 0 to 100 edges of the volume";
+    Size(f64 as f64) if |x| (0.0..=LONGEST).contains(&x), "a length from 0 to 100 edges of the volume",
+        { "type": "number", "minimum": 0, "maximum": LONGEST };
     /// A place, or a number of any sign.
-    Place(f64 as f64) if |x| x.abs() <= LONGEST, "a number from -100 to 100";
+    Place(f64 as f64) if |x| x.abs() <= LONGEST, "a number from -100 to 100",
+        { "type": "number", "minimum": -LONGEST, "maximum": LONGEST };
     /// A share.
-    Share(f64 as f64) if |x| (0.0..=1.0).contains(&x), "a number from 0 to 1";
+    Share(f64 as f64) if |x| (0.0..=1.0).contains(&x), "a number from 0 to 1",
+        { "type": "number", "minimum": 0, "maximum": 1 };
     /// An angle in degrees.
-    Degrees(f64 as f64) if |x| x.abs() <= 3600.0, "an angle from -3600 to 3600 degrees";
+    Degrees(f64 as f64) if |x| x.abs() <= 3600.0, "an angle from -3600 to 3600 degrees",
+        { "type": "number", "minimum": -3600, "maximum": 3600 };
     /// The angle by which a blade is folded, in degrees.
-    Fold(f64 as f64) if |x| (0.0..90.0).contains(&x), "an angle from 0 to 90 degrees, 90 left out";
+    Fold(f64 as f64) if |x| (0.0..90.0).contains(&x), "an angle from 0 to 90 degrees, 90 left out",
+        { "type": "number", "minimum": 0, "exclusiveMaximum": 90 };
     /// A spread.
-    Spread(f64 as f64) if |x| (0.0..=10.0).contains(&x), "a number from 0 to 10";
+    Spread(f64 as f64) if |x| (0.0..=10.0).contains(&x), "a number from 0 to 10",
+        { "type": "number", "minimum": 0, "maximum": 10 };
     /// An extinction per edge.
-    Extinction(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an extinction above 0, at most 1000000";
+    Extinction(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an extinction above 0, at most 1000000",
+        { "type": "number", "exclusiveMinimum": 0, "maximum": 1_000_000 };
     /// Phong's exponent.
-    Exponent(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an exponent above 0, at most 1000000";
+    Exponent(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an exponent above 0, at most 1000000",
+        { "type": "number", "exclusiveMinimum": 0, "maximum": 1_000_000 };
     /// How many copies.
-    Count(f64 as u32) if |x| (1.0..=1e5).contains(&x) && x.fract() == 0.0, "a whole number from 1 to 100000";
+    Count(f64 as u32) if |x| (1.0..=1e5).contains(&x) && x.fract() == 0.0, "a whole number from 1 to 100000",
+        { "type": "integer", "minimum": 1, "maximum": 100_000 };
     /// What chance starts from.
-    Seed(f64 as u64) if |x| (0.0..=9e15).contains(&x) && x.fract() == 0.0, "a whole number from 0 on";
+    Seed(f64 as u64) if |x| (0.0..=9e15).contains(&x) && x.fract() == 0.0, "a whole number from 0 on",
+        { "type": "integer", "minimum": 0 };
     /// Cells along an edge.
-    Edge(f64 as u32) if |x| (1.0..=1024.0).contains(&x) && (x as u32).is_power_of_two() && x.fract() == 0.0, "a power of two from 1 to 1024";
+    Edge(f64 as u32) if |x| (1.0..=1024.0).contains(&x) && (x as u32).is_power_of_two() && x.fract() == 0.0, "a power of two from 1 to 1024",
+        { "enum": [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024] };
 }
 
 /// Three places as a vector.
@@ -61,8 +86,9 @@ pub(super) fn vector(places: [Place; 3]) -> DVec3 {
 }
 
 /// A direction: three numbers that are not all 0.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(try_from = "[f64; 3]")]
+#[schemars(with = "[f64; 3]")]
 pub(super) struct Direction(pub(super) DVec3);
 
 impl TryFrom<[f64; 3]> for Direction {
@@ -77,6 +103,25 @@ impl TryFrom<[f64; 3]> for Direction {
 /// A colour, linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Colour(pub(super) [f32; 3]);
+
+impl JsonSchema for Colour {
+    fn schema_name() -> Cow<'static, str> {
+        "Colour".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "\"#ff8000\", a name of CSS, or [r, g, b] in sRGB.",
+            "anyOf": [
+                { "type": "string" },
+                {
+                    "type": "array", "minItems": 3, "maxItems": 3,
+                    "items": { "type": "number", "minimum": 0, "maximum": 1 },
+                },
+            ],
+        })
+    }
+}
 
 impl<'de> Deserialize<'de> for Colour {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {

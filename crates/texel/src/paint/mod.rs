@@ -22,7 +22,7 @@ use crate::chance::{hash, normal};
 use crate::texel::MAX_DEPTH;
 use crate::{Builder, Sggx, Texel, morton};
 use glam::{DMat3, DVec3};
-use piece::{Meets, Nearest, Piece, Stretch, meets};
+use piece::{Body, Meets, Nearest, Piece, Stretch, meets};
 use rayon::prelude::*;
 
 /// A shape at its place.
@@ -162,7 +162,9 @@ struct Job<'a> {
 impl Job<'_> {
     fn cells(&self, edge: u32) -> Vec<([u32; 3], Texel)> {
         let mut brush = Brush { solid: self.solid, shift: self.shift, edge, cells: Vec::new() };
-        let all: Vec<&Piece> = self.solid.pieces.iter().collect();
+        let least = 0.125 * brush.cell_width();
+        let bodies: Vec<Body> = self.solid.pieces.iter().map(|piece| Body::new(piece, least)).collect();
+        let all: Vec<&Body> = bodies.iter().collect();
         brush.descend(self.corner, self.side, &all);
         brush.cells
     }
@@ -237,13 +239,13 @@ impl Brush<'_> {
     }
 
     /// Divides a cube of cells as long as a body may touch it.
-    fn descend(&mut self, corner: [u32; 3], side: u32, pieces: &[&Piece]) {
+    fn descend(&mut self, corner: [u32; 3], side: u32, bodies: &[&Body]) {
         let half = 0.5 * f64::from(side) * self.cell_width();
         let low = DVec3::from_array(corner.map(f64::from)) * self.cell_width() - self.shift;
         let centre = low + half;
         let slack = 0.2 * self.cell_width();
-        let near: Vec<&Piece> =
-            pieces.iter().copied().filter(|piece| !piece.misses(centre, half, slack)).collect();
+        let near: Vec<&Body> =
+            bodies.iter().copied().filter(|body| !body.piece.misses(centre, half, slack)).collect();
         if near.is_empty() {
             return;
         }
@@ -264,22 +266,21 @@ impl Brush<'_> {
     }
 
     /// What opaque bodies leave of the light through a cell.
-    fn opaque(&self, cell: [u32; 3], low: DVec3, pieces: &[&Piece]) -> Option<Texel> {
+    fn opaque(&self, cell: [u32; 3], low: DVec3, bodies: &[&Body]) -> Option<Texel> {
         let width = self.cell_width();
         let centre = low + 0.5 * width;
-        let (nearest, axis) = nearest(centre, pieces.iter().copied());
+        let (nearest, axis) = nearest(centre, bodies);
         if nearest.distance <= -0.5 * 3f64.sqrt() * width {
             let flakes = self.flakes(cell, centre, nearest.normal, axis);
             return Some(self.filled([1.0; 3], Sggx::from_matrix(flakes).normalised(), 0.0));
         }
-        let pieces: Vec<(Piece, f64)> = pieces.iter().map(|piece| piece.widened(0.125 * width)).collect();
         let mut hits = Hits { stopped: [0.0; 3], flakes: DMat3::ZERO, area: 0.0 };
         for axis in 0..3 {
             let w = DVec3::AXES[axis];
             for ray in 0..RAYS * RAYS {
                 let start = low + width * self.ray_start(cell, axis, ray);
                 let ray = Stretch { start, w, length: width };
-                hits.stopped[axis] += self.follow(cell, &pieces, ray, &mut hits);
+                hits.stopped[axis] += self.follow(cell, bodies, ray, &mut hits);
             }
         }
         let rays = f64::from(RAYS * RAYS);
@@ -303,9 +304,9 @@ impl Brush<'_> {
     }
 
     /// The share of a ray that is stopped; adds the surfaces that it meets.
-    fn follow(&self, cell: [u32; 3], pieces: &[(Piece, f64)], ray: Stretch, hits: &mut Hits) -> f64 {
-        let (met, index) = meets(pieces, ray);
-        let (piece, share) = &pieces[index];
+    fn follow(&self, cell: [u32; 3], bodies: &[&Body], ray: Stretch, hits: &mut Hits) -> f64 {
+        let (met, index) = meets(bodies, ray);
+        let (piece, share) = &bodies[index].sampled;
         match met {
             Meets::Nothing => return 0.0,
             Meets::Inside => {}
@@ -333,20 +334,20 @@ impl Brush<'_> {
     }
 
     /// A cell that a cloud fills, by as much of it as is inside.
-    fn cloudy(&self, cell: [u32; 3], centre: DVec3, pieces: &[&Piece]) -> Option<Texel> {
+    fn cloudy(&self, cell: [u32; 3], centre: DVec3, bodies: &[&Body]) -> Option<Texel> {
         let width = self.cell_width();
         let is_inside = |i: u32| {
             let place = [i % RAYS, i / RAYS % RAYS, i / (RAYS * RAYS)];
             let p = centre
                 + width * DVec3::from_array(place.map(|k| (f64::from(k) + 0.5) / f64::from(RAYS) - 0.5));
-            pieces.iter().any(|piece| piece.nearest(p).distance <= 0.0)
+            bodies.iter().any(|body| body.piece.nearest(p).distance <= 0.0)
         };
         let inside = (0..RAYS.pow(3)).filter(|i| is_inside(*i)).count();
         if inside == 0 {
             return None;
         }
         let share = inside as f64 / f64::from(RAYS.pow(3));
-        let (Nearest { normal, .. }, axis) = nearest(centre, pieces.iter().copied());
+        let (Nearest { normal, .. }, axis) = nearest(centre, bodies);
         let flakes = Sggx::from_matrix(self.flakes(cell, centre, normal, axis));
         let density = self.solid.material.density.unwrap_or(0.0) * share;
         Some(self.coloured(Texel::even(density as f32, flakes, width)))
@@ -391,10 +392,13 @@ impl Brush<'_> {
 }
 
 /// The nearest surface of a place, and the axis of its body.
-fn nearest<'p>(p: DVec3, pieces: impl Iterator<Item = &'p Piece>) -> (Nearest, DVec3) {
-    let found = pieces.map(|piece| (piece.nearest(p), piece.axis()));
+fn nearest(p: DVec3, bodies: &[&Body]) -> (Nearest, DVec3) {
+    let found = bodies.iter().map(|body| (body.piece.nearest(p), &body.piece));
     let nearest = found.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
-    nearest.unwrap_or((Nearest { distance: f64::INFINITY, normal: DVec3::Z }, DVec3::Z))
+    match nearest {
+        Some((nearest, piece)) => (nearest, piece.axis()),
+        None => (Nearest { distance: f64::INFINITY, normal: DVec3::Z }, DVec3::Z),
+    }
 }
 
 /// What the rays of a cell met.

@@ -66,12 +66,12 @@ impl Rod {
         Self { ends, radii, share, nearer: (1.0 + slope * slope).sqrt().recip() }
     }
 
-    fn nearest(&self, p: DVec3) -> Nearest {
+    /// The distance, and the way from the line.
+    fn away(&self, p: DVec3) -> (f64, DVec3) {
         let ([a, b], [start, end]) = (self.ends, self.radii);
         let s = (p - a).dot(self.share).clamp(0.0, 1.0);
         let away = p - (a + s * (b - a));
-        let distance = (away.length() - (start + s * (end - start))) * self.nearer;
-        Nearest { distance, normal: away.normalize_or(DVec3::Z) }
+        ((away.length() - (start + s * (end - start))) * self.nearer, away)
     }
 }
 
@@ -148,6 +148,21 @@ pub(super) enum Piece {
     Plate(Plate),
 }
 
+/// A body as it is, and as it is sampled: at least as thick as rays can find, with the share of its shadow that
+/// the real one throws.
+#[derive(Clone, Debug)]
+pub(super) struct Body {
+    pub(super) piece: Piece,
+    pub(super) sampled: (Piece, f64),
+}
+
+impl Body {
+    /// `least` is the least radius that is sampled.
+    pub(super) fn new(piece: &Piece, least: f64) -> Self {
+        Self { piece: piece.clone(), sampled: piece.widened(least) }
+    }
+}
+
 /// The nearest surface: how far it is (below 0 inside), no more than it really is, and the direction away from it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
@@ -183,8 +198,19 @@ impl Piece {
             Self::Ellipsoid { seat, radii } => placed(seat, ellipsoid(seat.inside(p), *radii)),
             Self::Frustum { seat, radii, height } => placed(seat, frustum(seat.inside(p), *radii, *height)),
             Self::Box { seat, half } => placed(seat, cuboid(seat.inside(p), *half)),
-            Self::Capsule(rod) => rod.nearest(p),
+            Self::Capsule(rod) => {
+                let (distance, away) = rod.away(p);
+                Nearest { distance, normal: away.normalize_or(DVec3::Z) }
+            }
             Self::Plate(plate) => plate.nearest(p),
+        }
+    }
+
+    /// The distance alone.
+    fn distance(&self, p: DVec3) -> f64 {
+        match self {
+            Self::Capsule(rod) => rod.away(p).0,
+            other => other.nearest(p).distance,
         }
     }
 
@@ -199,7 +225,7 @@ impl Piece {
                 let gap = (across.dot(p) - (across * *radii).length()) * seat.size;
                 gap > half * (seat.turn * across).abs().element_sum() + 1e-3 * slack
             }
-            other => other.nearest(centre).distance > half * 3f64.sqrt() + slack,
+            other => other.distance(centre) > half * 3f64.sqrt() + slack,
         }
     }
 
@@ -215,7 +241,7 @@ impl Piece {
     }
 
     /// A body at least as thick as can be sampled, and the share of its shadow that the real one throws.
-    pub(super) fn widened(&self, least: f64) -> (Self, f64) {
+    fn widened(&self, least: f64) -> (Self, f64) {
         match self {
             Self::Capsule(Rod { ends, radii, .. }) if radii[0].max(radii[1]) < least => {
                 let share = 0.5 * (radii[0] + radii[1]) / least;
@@ -262,45 +288,48 @@ pub(super) struct Stretch {
 }
 
 /// What a stretch meets of the union of bodies, and the place of the body in the list.
-pub(super) fn meets(pieces: &[(Piece, f64)], stretch: Stretch) -> (Meets, usize) {
-    if let [(Piece::Ellipsoid { seat, radii }, _)] = pieces {
+pub(super) fn meets(bodies: &[&Body], stretch: Stretch) -> (Meets, usize) {
+    if let [body] = bodies
+        && let Piece::Ellipsoid { seat, radii } = &body.sampled.0
+    {
         return (meets_ellipsoid(seat, *radii, stretch), 0);
     }
     let Stretch { start, w, length } = stretch;
-    let (at_start, first) = nearest_of(pieces, start);
-    if at_start.distance > 0.0 {
-        return march(pieces, stretch, at_start.distance);
+    let (at_start, first) = distance(bodies, start);
+    if at_start > 0.0 {
+        return march(bodies, stretch, at_start);
     }
     // From the inside, the surface is met from the other end.
     let end = Stretch { start: start + length * w, w: -w, length };
-    let at_end = nearest_of(pieces, end.start).0.distance;
-    if at_end <= 0.0 { (Meets::Inside, first) } else { march(pieces, end, at_end) }
+    let (at_end, _) = distance(bodies, end.start);
+    if at_end <= 0.0 { (Meets::Inside, first) } else { march(bodies, end, at_end) }
 }
 
-/// Steps as long as the way is free, from `free` on, where it is known to be; what comes nearer than a thousandth of the way is
-/// touched, so that there are a thousand steps at most.
-fn march(pieces: &[(Piece, f64)], Stretch { start, w, length }: Stretch, free: f64) -> (Meets, usize) {
+/// Steps as long as the way is free, at first by `free`; what comes nearer than a thousandth of the way is touched, so that
+/// there are a thousand steps at most.
+fn march(bodies: &[&Body], Stretch { start, w, length }: Stretch, free: f64) -> (Meets, usize) {
     let least = 1e-3 * length;
-    let mut t = if free > least { free } else { 0.0 };
+    let mut t = if free <= least { 0.0 } else { free };
     while t <= length {
-        let (nearest, index) = nearest_of(pieces, start + t * w);
-        if nearest.distance <= least {
-            let leaves = nearest_of(pieces, start + length * w).0.distance > 0.0;
+        let (free, index) = distance(bodies, start + t * w);
+        if free <= least {
+            let leaves = distance(bodies, start + length * w).0 > 0.0;
             let crossings = if leaves { 2.0 } else { 1.0 };
-            return (Meets::Surface { normal: nearest.normal, crossings }, index);
+            let normal = bodies[index].sampled.0.nearest(start + t * w).normal;
+            return (Meets::Surface { normal, crossings }, index);
         }
-        t += nearest.distance;
+        t += free;
     }
     (Meets::Nothing, 0)
 }
 
-/// The nearest of the bodies, and its place in the list.
-fn nearest_of(pieces: &[(Piece, f64)], p: DVec3) -> (Nearest, usize) {
-    let mut best = (Nearest { distance: f64::INFINITY, normal: DVec3::Z }, 0);
-    for (index, (piece, _)) in pieces.iter().enumerate() {
-        let nearest = piece.nearest(p);
-        if nearest.distance < best.0.distance {
-            best = (nearest, index);
+/// How far the nearest of the bodies is, and its place in the list.
+fn distance(bodies: &[&Body], p: DVec3) -> (f64, usize) {
+    let mut best = (f64::INFINITY, 0);
+    for (index, body) in bodies.iter().enumerate() {
+        let distance = body.sampled.0.distance(p);
+        if distance < best.0 {
+            best = (distance, index);
         }
     }
     best
@@ -473,8 +502,8 @@ mod tests {
                 let least = (0..=400)
                     .map(|k| piece.nearest(start + w * (length * f64::from(k) / 400.0)).distance)
                     .fold(f64::INFINITY, f64::min);
-                let pieces = [(piece.clone(), 1.0)];
-                let met = !matches!(meets(&pieces, Stretch { start, w, length }).0, Meets::Nothing);
+                let body = Body::new(&piece, 0.0);
+                let met = !matches!(meets(&[&body], Stretch { start, w, length }).0, Meets::Nothing);
                 assert!(met || least > -1e-9, "{piece:?} from {start} along {w}: {least}");
                 assert!(!met || least < 2e-3, "{piece:?} from {start} along {w}: {least}");
             }

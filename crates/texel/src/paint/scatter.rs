@@ -9,6 +9,9 @@ use glam::DVec3;
 /// The greatest number of shapes of one scatter.
 pub const MAX_SHAPES: u32 = 100_000;
 
+/// A region is divided into no more parts than these.
+const MAX_PARTS: u64 = 1 << 20;
+
 /// Copies of a shape, spread over a box, a rectangle, or what is round in it.
 ///
 /// The region is divided evenly, by at least as many parts as there are copies, and each copy gets a part of
@@ -77,8 +80,9 @@ impl Scatter {
     /// The places in the parts of a grid.
     fn places_of(&self, grid: [u32; 3]) -> Vec<DVec3> {
         let [low, high] = self.region;
-        let grid = grid.map(u64::from);
-        let mut parts: Vec<u64> = (0..grid.iter().product()).collect();
+        let grid = grid.map(|parts| u64::from(parts.max(1)));
+        let count = grid.iter().fold(1, |product: u64, parts| product.saturating_mul(*parts));
+        let mut parts: Vec<u64> = (0..count.min(MAX_PARTS)).collect();
         parts.sort_by_key(|part| hash(self.seed, &[0, *part]));
         let place = |part: u64| {
             let mut rest = part;

@@ -1,5 +1,6 @@
 use super::{Chance, scattered};
 use fieldstone_texel::{Builder, Mode, Sggx, Texel, Volume};
+use glam::DVec3;
 
 /// Opaque specks by chance: what linear filtering of densities turns to haze.
 fn specks(mode: Mode) -> Volume {
@@ -44,6 +45,30 @@ fn the_whole_cube_is_its_mean_opacity_at_the_top() {
     let rows = volume.compare();
     let top = rows.last().expect("levels");
     assert!(top.level == 4 && top.rmse < 2e-3 && top.drift.abs() < 2e-3, "{top:?}");
+}
+
+/// A sun overhead throws the shadow along z; an oblique one tells the same of the two rules.
+#[test]
+fn shadows_in_the_sun_keep_their_contrast_by_the_rule_of_transmittances() {
+    let sun = DVec3::new(0.5, -0.4, 0.9);
+    let (new, old) = (specks(Mode::Sggx).compare_in_sun(sun), specks(Mode::Neyret1995).compare_in_sun(sun));
+    assert_eq!((new.len(), old.len()), (5, 5));
+    for (new, old) in new.iter().zip(&old).take(3) {
+        assert!(new.drift.abs() < 0.5 * old.drift.abs(), "{new:?} {old:?}");
+        assert!(new.rmse < old.rmse, "{new:?} {old:?}");
+    }
+    assert!(specks(Mode::Sggx).compare_in_sun(DVec3::ZERO).is_empty());
+}
+
+#[test]
+fn an_even_cube_throws_the_same_shadow_at_every_level() {
+    let mut builder = Builder::new(8).expect("a power of two").cyclic([true; 3]);
+    for key in 0..512 {
+        builder.insert([key & 7, key >> 3 & 7, key >> 6], &Texel::even(1.5, Sggx::ISOTROPIC, 0.125));
+    }
+    for row in builder.build(Mode::Sggx).expect("few cells").compare_in_sun(DVec3::new(0.3, 0.5, 0.8)) {
+        assert!(row.rmse < 1e-6 && row.drift.abs() < 1e-6, "{row:?}");
+    }
 }
 
 #[test]
