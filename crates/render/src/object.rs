@@ -179,6 +179,30 @@ impl<'s> Object<'s> {
         }
     }
 
+    /// The nearest surfaces, and their gradients, of rays that are a unit direction from an origin outside of the solid's
+    /// bounds or in them, without caps: `None` where there are conditions, or another method than the octree's.
+    pub(crate) fn first_hits(
+        &self,
+        asker: &mut Asker,
+        rays: &[(DVec3, DVec3)],
+    ) -> Option<(Vec<Outcome>, Vec<[f64; 3]>)> {
+        if self.conditions.is_some() || self.settings.method != fieldstone_trace::Method::Affine {
+            return None;
+        }
+        let to_trace: Vec<Ray> = rays
+            .iter()
+            .map(|&(origin, direction)| {
+                let span = self.solid.ray_span(origin, direction);
+                let (start, end) = span.map_or((0.0, 0.0), |span| (span.enter.max(0.0), span.exit));
+                Ray { origin: origin.to_array(), direction: direction.to_array(), start, end }
+            })
+            .collect();
+        let settings = Settings { caps: self.solid.is_capped(), ..self.settings };
+        let (outcomes, gradients) = self.roots.first_hits_with_gradients(asker, &to_trace, &settings);
+        asker.evaluations += outcomes.iter().map(|o| u64::from(o.cost)).sum::<u64>();
+        Some((outcomes, gradients?))
+    }
+
     /// The outcome as a surface, caps included; `spans`: within the bounds, if the ray comes from outside of them, and
     /// in any case.
     fn found(&self, outcome: &Outcome, ray: &Ray, spans: (Option<&RaySpan>, Option<&RaySpan>)) -> Found {

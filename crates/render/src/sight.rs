@@ -110,6 +110,35 @@ impl<'s> Viewer<'s> {
         if self.prepared.hierarchy.is_some() {
             return self.look_among_instances(asker, rays);
         }
+        if let Some(seen) = self.look_at_one(asker, rays) {
+            return seen;
+        }
+        self.look_at_some(asker, rays)
+    }
+
+    /// The same of a single unmoved solid, without what only several, or caps, need.
+    fn look_at_one(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Option<Vec<Seen>> {
+        let ([object], [false]) = (&self.prepared.objects[..], &self.prepared.moved[..]) else { return None };
+        let (outcomes, gradients) = object.first_hits(asker, rays)?;
+        asker.rays += rays.len() as u64;
+        let see = |i: usize| {
+            let (outcome, certificate) = (&outcomes[i], outcomes[i].certificate);
+            let normal = DVec3::from_array(gradients[i]).try_normalize().filter(|n| n.is_finite());
+            match (outcome.hit, normal) {
+                (None, _) if !outcome.ends_inside && !outcome.starts_inside => {
+                    Seen { depth: f32::INFINITY, normal: [0.0; 3], certificate }
+                }
+                (Some(hit), Some(normal)) if !hit.jump && !outcome.starts_inside => {
+                    let normal = if normal.dot(rays[i].1) > 0.0 { -normal } else { normal };
+                    Seen { depth: hit.t as f32, normal: normal.as_vec3().to_array(), certificate }
+                }
+                _ => self.look_at_some(asker, &rays[i..=i])[0],
+            }
+        };
+        Some((0..rays.len()).map(see).collect())
+    }
+
+    fn look_at_some(&self, asker: &mut Asker, rays: &[(DVec3, DVec3)]) -> Vec<Seen> {
         asker.rays += rays.len() as u64;
         let mut nearest = vec![Nearest::NOTHING; rays.len()];
         let mut rough: Vec<(usize, Surface)> = Vec::new();

@@ -124,17 +124,24 @@ impl Tile {
             .collect()
     }
 
-    /// The pixels, by blocks of 8 × 8, in the order that bundles are split in.
+    /// The pixels, by blocks of 8 × 8, in the order that bundles are split in; those by patches of 4 × 2, which fill a
+    /// vector.
     pub(crate) fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
-        self.blocks().flat_map(Tile::rows)
+        self.blocks().flat_map(|block| block.parts(4, 2).flat_map(Tile::rows))
     }
 
     /// The blocks of 8 × 8 pixels.
     pub(crate) fn blocks(self) -> impl Iterator<Item = Tile> {
-        let starts = |from: u32, length: u32| (from..from + length).step_by(BLOCK as usize);
+        self.parts(BLOCK, BLOCK)
+    }
+
+    /// Its parts of a size, row by row; the last ones may be smaller.
+    fn parts(self, width: u32, height: u32) -> impl Iterator<Item = Tile> {
+        let starts = |from: u32, length: u32, step: u32| (from..from + length).step_by(step as usize);
         let (right, bottom) = (self.x + self.width, self.y + self.height);
-        let block = move |(x, y)| Tile { x, y, width: BLOCK.min(right - x), height: BLOCK.min(bottom - y) };
-        starts(self.y, self.height).flat_map(move |y| starts(self.x, self.width).map(move |x| block((x, y))))
+        let part = move |(x, y)| Tile { x, y, width: width.min(right - x), height: height.min(bottom - y) };
+        starts(self.y, self.height, height)
+            .flat_map(move |y| starts(self.x, self.width, width).map(move |x| part((x, y))))
     }
 
     /// The pixels row by row.

@@ -27,9 +27,11 @@ pub(super) struct Packet {
 pub(super) struct Crossing {
     pub(super) enter: Lanes,
     pub(super) exit: Lanes,
-    /// The part of rays in which there may be roots that facets do not settle.
+    /// The part of rays in which there may be roots that facets do not settle, and the number of the piece that they are of,
+    /// if it is one alone.
     pub(super) from: Lanes,
     pub(super) to: Lanes,
+    pub(super) piece: [Option<u8>; LANES],
 }
 
 /// What a facet says of rays that cross its cell.
@@ -337,12 +339,13 @@ impl Packet {
 impl Crossing {
     pub(super) fn new() -> Self {
         let zero = [0.0; LANES];
-        Self { enter: zero, exit: zero, from: zero, to: zero }
+        Self { enter: zero, exit: zero, from: zero, to: zero, piece: [None; LANES] }
     }
 
     /// There may be roots in all of the cell.
     pub(super) fn leave_whole(&mut self, lane: usize) {
         (self.from[lane], self.to[lane]) = (self.enter[lane], self.exit[lane]);
+        self.piece[lane] = None;
     }
 }
 

@@ -50,8 +50,8 @@ enum Finding {
     Nothing,
     /// The ray is on the other side of the surface than it was known to be.
     Wrong,
-    /// There may be roots between these.
-    Open(f64, f64),
+    /// There may be roots between these; of the piece with this number, if it is one alone.
+    Open(f64, f64, Option<u8>),
     /// There is exactly one root, in the stretch of one piece; if it reaches the end of the cell, only if the
     /// piece has changed its sign by then.
     Root(Event),
@@ -141,8 +141,9 @@ impl Walker {
             match self.look(pieces, &known, lane, inside) {
                 Finding::Nothing => {}
                 Finding::Wrong => self.pass(walk, program, (1 << lane, !inside), flock),
-                Finding::Open(from, to) => {
+                Finding::Open(from, to, piece) => {
                     (self.crossing.from[lane], self.crossing.to[lane]) = (from, to);
+                    self.crossing.piece[lane] = piece;
                     rest |= 1 << lane;
                 }
                 Finding::Root(event) if event.to < self.crossing.exit[lane] => {
@@ -197,9 +198,10 @@ impl Walker {
                 Some(_) => {}
                 None => match self.meet(together, known, lane, inside) {
                     Finding::Nothing => {}
-                    Finding::Open(from, _) => {
+                    Finding::Open(from, ..) => {
                         let end = events[first..].iter().fold(to, |end, event| end.max(event.to));
-                        return Finding::Open(from, end);
+                        let alone = if first + 1 == count { Some(events[first].piece as u8) } else { None };
+                        return Finding::Open(from, end, alone);
                     }
                     found => return found,
                 },
@@ -218,7 +220,7 @@ impl Walker {
         let is_monotone = |event: &Event| known.monotone[event.piece] >> lane & 1 == 1;
         let from = together[0].from;
         if !together.iter().all(is_monotone) || together.iter().any(|e| rises(e) != rises(&together[0])) {
-            return Finding::Open(from, from);
+            return Finding::Open(from, from, None);
         }
         if rises(&together[0]) != inside {
             // Inside it gets further below 0, and outside further above.
@@ -226,7 +228,7 @@ impl Walker {
         }
         match together {
             [event] => Finding::Root(*event),
-            _ => Finding::Open(from, from),
+            _ => Finding::Open(from, from, None),
         }
     }
 
@@ -352,8 +354,8 @@ impl Walker {
         walk.doubtful = doubtful;
     }
 
-    /// Has rays marched where roots are possible, with the program of the cell or, so that more of them are marched
-    /// together, of the one that it is part of.
+    /// Has rays marched where roots are possible: with the program of the only piece that has them, or that of the cell
+    /// or, so that more of them are marched together, of the one that it is part of.
     pub(super) fn postpone<'w>(
         &mut self,
         walk: &mut Walk<'w>,
@@ -367,10 +369,14 @@ impl Walker {
         for lane in lanes_of(set) {
             let (enter, exit) = (self.crossing.enter[lane], self.crossing.exit[lane]);
             self.meet_start(lane, enter, flock);
-            let part = if cell.pieces.is_some() {
-                (self.crossing.from[lane], self.crossing.to[lane])
-            } else {
-                (enter, exit)
+            let crossing = &self.crossing;
+            let (part, program) = match &cell.pieces {
+                Some(pieces) => {
+                    let part = (crossing.from[lane], crossing.to[lane]);
+                    let alone = crossing.piece[lane].map(|k| &*pieces.list()[usize::from(k)].program);
+                    (part, alone.unwrap_or(program))
+                }
+                None => ((enter, exit), program),
             };
             if part.0 < part.1 {
                 let known = flock.known >> lane & 1 == 1;
