@@ -92,20 +92,18 @@ impl Tape {
 
     /// A tape of one of its values, or of the negative one.
     fn part(&self, operand: Operand, negated: bool) -> Tape {
-        let mut tape = self.clone();
-        tape.code.outputs = vec![operand];
+        let mut instructions = self.code.instructions.clone();
+        let mut output = operand;
+        let mut tape = self.clone_shared();
         if negated {
             let result = tape.value_count;
             tape.value_count += 1;
-            tape.code.outputs = vec![Operand::Value(result)];
-            tape.code.instructions.push(Instruction {
-                op: Op::Unary(Unary::Neg),
-                operands: [operand; 3],
-                result,
-                sign_only: true,
-            });
+            output = Operand::Value(result);
+            let op = Op::Unary(Unary::Neg);
+            instructions.push(Instruction { op, operands: [operand; 3], result, sign_only: true });
         }
-        let instructions = std::mem::take(&mut tape.code.instructions);
+        tape.code.arguments.clone_from(&self.code.arguments);
+        tape.code.outputs = vec![output];
         tape.rebuilt(instructions, |operand| operand)
     }
 

@@ -354,7 +354,7 @@ impl Tape {
         self.value_count = count;
     }
 
-    fn clone_shared(&self) -> Tape {
+    pub(crate) fn clone_shared(&self) -> Tape {
         Tape {
             code: Code::default(),
             run: Code::default(),

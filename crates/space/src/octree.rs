@@ -24,9 +24,8 @@ mod walk;
 
 use crate::gradient::Gradients;
 use facet::Facet;
-use fieldstone_field::{Bindings, CodeKey, Field, Input, Reading, Tape, TapeOptions};
-use pieces::{Operand, Pieces};
-use rustc_hash::FxHashMap;
+use fieldstone_field::{Bindings, Field, Input, Reading, Tape, TapeOptions};
+use pieces::{Pieces, Shared};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -90,8 +89,8 @@ pub struct Octree {
     root: Cell,
     /// Whether the field is a set operation, so that its cells are taken apart.
     is_composite: bool,
-    /// The operands that cells were taken apart into, each made once.
-    operands: Mutex<FxHashMap<CodeKey, Arc<Operand>>>,
+    /// The programs of cells that are taken apart, and the operands that they are taken apart into: equal ones are shared.
+    shared: Shared,
     /// The inputs whose values differ from those of the tree that this one was made from.
     changed: Vec<Input>,
     memory: OctreeMemory,
@@ -208,7 +207,7 @@ impl Octree {
                 donor: Mutex::default(),
             },
             is_composite,
-            operands: Mutex::default(),
+            shared: Shared::default(),
             changed: Vec::new(),
             memory,
             bytes: AtomicUsize::new(0),
@@ -245,7 +244,7 @@ impl Octree {
             slack: self.slack,
             root,
             is_composite: self.is_composite,
-            operands: Mutex::default(),
+            shared: Shared::default(),
             changed,
             memory: self.memory.clone(),
             bytes: AtomicUsize::new(0),

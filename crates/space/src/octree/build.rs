@@ -1,8 +1,8 @@
 //! Dividing cells.
 
-use super::pieces::{MOST, Operand, Piece, Shape};
+use super::pieces::{Operand, Piece, Program, Shape};
 use super::{Cell, Facet, LEVELS, Node, Octree, Place, Programs};
-use fieldstone_field::{CodeKey, Combination, F64, Interval, Intervals, LANES, SetStep, Tape, Workspace};
+use fieldstone_field::{F64, Interval, Intervals, LANES, Tape, Workspace};
 use rustc_hash::FxHashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use typed_arena::Arena;
@@ -17,8 +17,6 @@ const SMALL_FROM: usize = 1;
 /// Slopes of more instructions than this, of which less than one in so many is a choice, are looked at later.
 const MANY_SLOPES: usize = 512;
 const RARE: usize = 10;
-/// Cells are not taken apart into operands of more instructions, because a program of slopes is made for each.
-const LONGEST_OPERAND: usize = 4096;
 /// About how many bytes an instruction takes, in both of its forms.
 const INSTRUCTION_BYTES: usize = 112;
 
@@ -49,8 +47,14 @@ impl Builder {
         let open: Numbers = all.into_iter().filter(|&i| (outside | inside) >> i & 1 == 0).collect();
         let mut values = Vec::new();
         let shapes = if tree.is_composite {
-            values = self.shortened(value, &self.boxes, open.iter().copied());
-            self.combinations(tree, place, &open, &values)
+            let mut known: FxHashMap<*const Tape, Arc<Program>> = FxHashMap::default();
+            let shortened = self.shortened(value, &self.boxes, open.iter().copied());
+            let program = |value: &Arc<Tape>| {
+                known.entry(Arc::as_ptr(value)).or_insert_with(|| tree.program(value)).clone()
+            };
+            let programs: Vec<Arc<Program>> = shortened.iter().map(program).collect();
+            values = programs.iter().map(|program| program.value.clone()).collect();
+            self.combinations(tree, place, &open, &programs)
         } else {
             self.facets(tree, cell, place, &open)
         };
@@ -126,14 +130,9 @@ impl Builder {
         tree: &Octree,
         place: Place,
         open: &[u32],
-        values: &[Arc<Tape>],
+        programs: &[Arc<Program>],
     ) -> Vec<Shape> {
-        let mut known: FxHashMap<*const Tape, Option<(Vec<Arc<Operand>>, Vec<SetStep>)>> =
-            FxHashMap::default();
-        for value in values {
-            known.entry(Arc::as_ptr(value)).or_insert_with(|| tree.combination(value));
-        }
-        let combination = |i: usize| known[&Arc::as_ptr(&values[i])].as_ref();
+        let combination = |i: usize| programs[i].parts.as_ref();
         // Each operand is evaluated in all cells that it matters to at once.
         let mut users: FxHashMap<*const Operand, (&Arc<Operand>, Vec<usize>)> = FxHashMap::default();
         for i in 0..open.len() {
@@ -242,30 +241,9 @@ fn is_leaf(parent: &Cell, level: usize, shape: &Shape, shorter: &Tape) -> bool {
 }
 
 impl Octree {
-    /// The set operations with which a program of a cell ends, if they have few operands of moderate length.
-    fn combination(&self, program: &Tape) -> Option<(Vec<Arc<Operand>>, Vec<SetStep>)> {
-        let Combination { operands, steps } = program.combination(MOST)?;
-        let is_long = |operand: &Tape| operand.len() > LONGEST_OPERAND;
-        if operands.iter().any(is_long) {
-            return None;
-        }
-        let operands: Option<Vec<Arc<Operand>>> =
-            operands.into_iter().map(|operand| Some(self.operand(operand.code_key()?, operand))).collect();
-        Some((operands?, steps))
-    }
-
-    /// An operand, made if nobody did before.
-    fn operand(&self, key: CodeKey, program: Tape) -> Arc<Operand> {
-        // A panic of another thread leaves the table as it was.
-        let table = || self.operands.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = table().get(&key) {
-            return known.clone();
-        }
-        // Not under the lock: two threads may both make it, and one is kept.
-        let operand = Arc::new(Operand::new(program));
-        let length = operand.value.len() + operand.slopes.as_ref().map_or(0, Tape::len);
-        self.take(size_of::<Operand>() + length * INSTRUCTION_BYTES);
-        table().entry(key).or_insert(operand).clone()
+    /// A program of a cell taken apart.
+    fn program(&self, value: &Arc<Tape>) -> Arc<Program> {
+        self.shared.program(value, |instructions| self.take(instructions * INSTRUCTION_BYTES))
     }
 
     /// What an open cell is divided into; made anew, in the arena, if there is no more room to keep it.
@@ -284,7 +262,7 @@ impl Octree {
         }
         cell.below.get_or_init(|| {
             let node = Arc::new(builder.node(self, cell, place));
-            self.take(node.bytes(&cell.programs));
+            self.take(node.bytes(&cell.programs, self.is_composite));
             node
         })
     }
@@ -338,12 +316,13 @@ impl Octree {
 }
 
 impl Node {
-    /// About how many bytes it takes, with the programs that differ from those of the parent.
-    fn bytes(&self, parent: &Programs) -> usize {
+    /// About how many bytes it takes; with the programs that differ from those of the parent, unless these are shared and
+    /// counted elsewhere.
+    fn bytes(&self, parent: &Programs, are_shared: bool) -> usize {
         let mut seen: Vec<*const Tape> = vec![Arc::as_ptr(&parent.value)];
         seen.extend(parent.slopes.as_ref().map(Arc::as_ptr));
         let mut instructions = 0;
-        for cell in &self.open {
+        for cell in self.open.iter().filter(|_| !are_shared) {
             for tape in [Some(&cell.programs.value), cell.programs.slopes.as_ref()].into_iter().flatten() {
                 if !seen.contains(&Arc::as_ptr(tape)) {
                     seen.push(Arc::as_ptr(tape));

@@ -1,8 +1,9 @@
 //! The field of a cell as a combination of smooth pieces.
 
 use super::Facet;
-use fieldstone_field::{Input, SetStep, Tape, TapeOptions};
-use std::sync::Arc;
+use fieldstone_field::{CodeKey, Combination, Input, SetStep, Tape, TapeOptions};
+use rustc_hash::FxHashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A cell is taken apart into at most so many pieces.
 pub(super) const MOST: usize = 8;
@@ -22,6 +23,70 @@ impl Operand {
         });
         Self { value: Arc::new(value), slopes }
     }
+}
+
+/// A program of cells, and the set operations with which it ends.
+#[derive(Debug)]
+pub(super) struct Program {
+    pub(super) value: Arc<Tape>,
+    /// Its operands and how they are combined, if they are few.
+    pub(super) parts: Option<(Vec<Arc<Operand>>, Vec<SetStep>)>,
+}
+
+/// Programs and operands by their instructions.
+#[derive(Debug, Default)]
+pub(super) struct Shared {
+    programs: Mutex<FxHashMap<CodeKey, Arc<Program>>>,
+    operands: Mutex<FxHashMap<CodeKey, Arc<Operand>>>,
+}
+
+/// Cells are not taken apart into operands of more instructions, because a program of slopes is made for each.
+const LONGEST_OPERAND: usize = 4096;
+
+impl Shared {
+    /// A program taken apart, once for all cells that have it; `take` is told how many instructions were made for it.
+    pub(super) fn program(&self, value: &Arc<Tape>, take: impl Fn(usize)) -> Arc<Program> {
+        let make =
+            |value: &Arc<Tape>| Arc::new(Program { value: value.clone(), parts: self.parts(value, &take) });
+        let Some(key) = value.code_key() else { return make(value) };
+        shared(&self.programs, key, || {
+            take(value.len());
+            make(value)
+        })
+    }
+
+    /// The set operations with which a program ends, if they have few operands of moderate length.
+    fn parts(&self, program: &Tape, take: &impl Fn(usize)) -> Option<(Vec<Arc<Operand>>, Vec<SetStep>)> {
+        let Combination { operands, steps } = program.combination(MOST)?;
+        if operands.iter().any(|operand| operand.len() > LONGEST_OPERAND) {
+            return None;
+        }
+        let operand = |operand: Tape| {
+            Some(shared(&self.operands, operand.code_key()?, || {
+                let made = Operand::new(operand);
+                take(made.value.len() + made.slopes.as_ref().map_or(0, Tape::len));
+                Arc::new(made)
+            }))
+        };
+        let operands: Option<Vec<Arc<Operand>>> = operands.into_iter().map(operand).collect();
+        Some((operands?, steps))
+    }
+}
+
+/// What a table has for a key, made if nobody did before.
+fn shared<T>(
+    table: &Mutex<FxHashMap<CodeKey, Arc<T>>>,
+    key: CodeKey,
+    make: impl FnOnce() -> Arc<T>,
+) -> Arc<T> {
+    // A panic of another thread leaves the table as it was.
+    let table = || table.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = table().get(&key) {
+        return known.clone();
+    }
+    // Not under the lock: two threads may both make it, and one is kept.
+    let made = make();
+    table().entry(key).or_insert(made).clone()
 }
 
 /// One operand of a cell's set operations between two planes.

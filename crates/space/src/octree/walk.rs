@@ -21,7 +21,7 @@ const FAR: f64 = 64.0;
 /// The rays of a packet that want an open cell at each level to be divided, times the instructions of its program, are
 /// at least so many; fewer are marched through it. It does not matter whether it has been divided before, since what
 /// rays find must not depend on others.
-const WORTH_DIVIDING: [usize; LEVELS] = [0, 250, 500, 0];
+const WORTH_DIVIDING: [usize; LEVELS] = [0, 100, 200, 0];
 /// Each ray costs as much as so many instructions besides.
 const RAY_INSTRUCTIONS: usize = 16;
 
