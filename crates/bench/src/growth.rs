@@ -17,7 +17,7 @@ use fieldstone::{
 use std::time::Instant;
 
 /// What grows, and how far.
-const CURVES: [(&str, &[u64]); 3] = [
+pub(crate) const CURVES: [(&str, &[u64]); 3] = [
     ("operations", &[10, 100, 1_000, 10_000, 100_000]),
     ("pixels", &[128 * 128, 256 * 256, 512 * 512, 1024 * 1024, 2048 * 2048, 4096 * 4096]),
     ("instances", &[100, 1_000, 10_000, 100_000]),

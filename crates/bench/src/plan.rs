@@ -71,6 +71,9 @@ impl Plan {
     /// # Errors
     /// A name that nothing has; the first thing that could not be measured.
     pub fn run(&self, progress: &mut dyn FnMut(&str)) -> Result<Report, BenchError> {
+        if let Some(name) = self.only.iter().find(|name| !self.is_known(name)) {
+            return Err(self.unknown(name));
+        }
         let mut report = Report { machine: Machine::this(), ..Report::default() };
         for part in &self.parts {
             match part {
@@ -82,11 +85,23 @@ impl Plan {
             }
         }
         if report.is_empty() && report.skipped.is_empty() {
-            let known = models::MODELS.map(|model| model.name).join(", ");
-            let known = format!("{known}, and the files of the gallery such as table1/torus.txt");
-            return Err(BenchError::Unknown { kind: "model", name: self.only.join(", "), known });
+            return Err(self.unknown(&self.only.join(", ")));
         }
         Ok(report)
+    }
+
+    /// Whether there is anything of this name, for one part or another.
+    fn is_known(&self, name: &str) -> bool {
+        models::MODELS.iter().any(|model| model.name == name)
+            || growth::CURVES.iter().any(|(curve, _)| *curve == name)
+            || self.gallery.join(name).is_file()
+    }
+
+    fn unknown(&self, name: &str) -> BenchError {
+        let known = models::MODELS.map(|model| model.name).join(", ");
+        let curves = growth::CURVES.map(|(curve, _)| curve).join(", ");
+        let known = format!("{known}; {curves}; files of the gallery such as table1/torus.txt");
+        BenchError::Unknown { kind: "model", name: name.to_owned(), known }
     }
 
     /// Whether something of this name is wanted.
@@ -113,5 +128,18 @@ impl Report {
             && self.povray.is_empty()
             && self.growth.is_empty()
             && self.counts.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_wrong_name_among_right_ones_is_told() {
+        let only = vec!["tangle".to_owned(), "tangel".to_owned()];
+        let plan = Plan { only, parts: Vec::new(), ..Plan::default() };
+        let told = plan.run(&mut |_| {}).unwrap_err().to_string();
+        assert!(told.contains("tangel") && !told.contains("tangle, tangel"), "{told}");
     }
 }

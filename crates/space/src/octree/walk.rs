@@ -24,6 +24,17 @@ const FAR: f64 = 64.0;
 const WORTH_DIVIDING: [usize; LEVELS] = [0, 100, 200, 0];
 /// Each ray costs as much as so many instructions besides.
 const RAY_INSTRUCTIONS: usize = 16;
+/// Programs of more instructions than this are dear to divide for, too: so many rays must want it.
+const LONG: usize = 128;
+const WORTH_DIVIDING_LONG: [usize; LEVELS] = [0, 6, 4, 0];
+
+/// Whether a cell at a level is worth dividing for so many rays.
+fn is_worth_dividing(level: usize, instructions: usize, rays: usize) -> bool {
+    if instructions > LONG {
+        return rays >= WORTH_DIVIDING_LONG[level];
+    }
+    rays * (instructions + RAY_INSTRUCTIONS) >= WORTH_DIVIDING[level]
+}
 
 /// What a thread needs to walk; keeps its memory between calls.
 #[derive(Debug)]
@@ -361,7 +372,6 @@ impl Walker {
                 continue;
             }
             let cell = node.cell(number);
-            let work = |set: u64| set.count_ones() as usize * (cell.programs.value.len() + RAY_INSTRUCTIONS);
             let set = match &cell.pieces {
                 Some(pieces) => self.settle(walk, (cell, pieces), set, flock),
                 None => set,
@@ -369,7 +379,8 @@ impl Walker {
             if set == 0 {
                 continue;
             }
-            if cell.is_leaf || work(set) < WORTH_DIVIDING[place.level] {
+            let (length, count) = (cell.programs.value.len(), set.count_ones() as usize);
+            if cell.is_leaf || !is_worth_dividing(place.level, length, count) {
                 self.postpone(walk, (cell, program), set, flock);
             } else if 4 * set.count_ones() <= 3 * flock.active.count_ones() {
                 let mut some = Flock { active: set, ..*flock };
