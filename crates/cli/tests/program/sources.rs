@@ -45,7 +45,7 @@ fn every_source_fills_cells() {
     let place = place();
     for (table, least, most) in [
         ("[[fields]]\nexpr = \"x^2 + y^2 + z^2 - 1\"", 500, 1500),
-        ("[[fields]]\nexpr = \"x^2 + y^2 + z^2 - 1\"\nwithin = [0, 0, 0, 0.5, 0.5, 0.5]", 100, 300),
+        ("[[fields]]\nexpr = \"x^2 + y^2 + z^2 - 1\"\nwithin = [0, 0, 0, 0.5, 0.5, 0.5]", 200, 400),
         ("[[fields]]\nfile = \"ball.hf\"\nparameters = { \"a[1]\" = 0.5 }\ninside = \"full\"", 1000, 2100),
         ("[[fields]]\nexpr = \"x^2 + y^2 + z^2 - 1\"\nhypertexture = { amplitude = 0.2 }", 1000, 2744),
         ("[[meshes]]\nfile = \"body.obj\"\ninside = \"empty\"", 300, 700),
@@ -98,7 +98,7 @@ fn mistakes_are_told_in_their_place_and_leave_no_file() {
         ("[[scans]]\nfile = \"ramp.raw\"\nsize = [3, 3, 3]", "a.toml:2:1", "one of them is missing"),
         (
             "[[scans]]\nfile = \"ramp.nrrd\"\ntransfer = [{ value = 9, density = 1 }, { value = 9, density = 2 }]",
-            "a.toml:4:40",
+            "a.toml:4:41",
             "the values of a transfer function rise",
         ),
         ("[[noise]]\nhypertexture = { octaves = 0 }", "a.toml:3:28", "a whole number from 1 to 16"),
