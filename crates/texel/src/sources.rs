@@ -187,7 +187,7 @@ impl Place {
 /// The place of a source whose box is given, or found, in a part of the volume that is given, or all.
 fn placed(
     builder: &Builder,
-    (bounds, within): (Option<[[f64; 3]; 2]>, Option<[[f64; 3]; 2]>),
+    [bounds, within]: [Option<[[f64; 3]; 2]>; 2],
     hull: impl FnOnce() -> [[f64; 3]; 2],
 ) -> Result<Place, SourceError> {
     let [low, high] = bounds.unwrap_or_else(hull);

@@ -66,7 +66,7 @@ pub fn bake(
 ) -> Result<Place, SourceError> {
     let good = (0.0..=1.0).contains(&options.roughness);
     SourceError::check("roughness", options.roughness, good, "a number from 0 to 1")?;
-    let place = placed(builder, (Some([low, high]), options.within), || [low, high])?;
+    let place = placed(builder, [Some([low, high]), options.within], || [low, high])?;
     let solid = if options.open { field.clone() } else { capped(field, low, high) };
     let baker = Baker::new(&solid, bindings, place, builder.edge(), (options, paint));
     let (open, inside) = baker.blocks();

@@ -114,7 +114,7 @@ pub fn add_hypertexture(
     options: &HypertextureOptions,
 ) -> Result<Place, SourceError> {
     options.check()?;
-    let place = placed(builder, (Some([low, high]), options.within), || [low, high])?;
+    let place = placed(builder, [Some([low, high]), options.within], || [low, high])?;
     let cells = place.scale() * f64::from(builder.edge());
     let look = Look::new(2, options.surface, options.roughness)?;
     // Two samples to a cell cannot hold more than one wave, or two lattice points.

@@ -79,7 +79,7 @@ pub fn add_mesh(builder: &mut Builder, mesh: &Mesh, options: &MeshOptions) -> Re
     let good = (0.0..=1.0).contains(&options.roughness);
     SourceError::check("roughness", options.roughness, good, "a number from 0 to 1")?;
     let points = mesh.points.iter().map(|point| (*point, 0.0));
-    let place = placed(builder, (options.bounds, options.within), || hull(points))?;
+    let place = placed(builder, [options.bounds, options.within], || hull(points))?;
     let joints = if options.body == Body::Sheets { None } else { Some(Joints::of(mesh)) };
     let solid = joints.filter(|joints| joints.is_closed || options.body == Body::Solid);
     let mut voxels = Voxels {

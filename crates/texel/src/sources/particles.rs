@@ -61,7 +61,7 @@ pub fn add_particles(
         SourceError::check("radius", radius(particle), radius(particle) >= 0.0, "a number from 0 on")?;
     }
     let balls = particles.iter().map(|particle| (particle.centre, radius(particle)));
-    let place = placed(builder, (options.bounds, options.within), || hull(balls))?;
+    let place = placed(builder, [options.bounds, options.within], || hull(balls))?;
     let rods: Vec<Rod> = particles
         .iter()
         .map(|particle| Rod {

@@ -143,7 +143,7 @@ impl Default for ScanOptions {
 /// Options out of their ranges, and more filled cells than [`MAX_CELLS`](super::MAX_CELLS).
 pub fn add_scan(builder: &mut Builder, scan: &Scan, options: &ScanOptions) -> Result<Place, SourceError> {
     let transfer = transfer(scan, options)?;
-    let place = placed(builder, (options.bounds, options.within), || scan.bounds())?;
+    let place = placed(builder, [options.bounds, options.within], || scan.bounds())?;
     let cell = (place.scale() * f64::from(builder.edge())).recip();
     let step = scan.steps.iter().copied().fold(f64::INFINITY, f64::min);
     let look = Look::new((cell / step).ceil() as usize, options.surface, options.roughness)?;

@@ -62,7 +62,7 @@ pub fn add_strands(
     let balls = strands
         .iter()
         .flat_map(|strand| strand.points.iter().enumerate().map(move |(i, p)| (*p, radius(strand, i))));
-    let place = placed(builder, (options.bounds, options.within), || hull(balls))?;
+    let place = placed(builder, [options.bounds, options.within], || hull(balls))?;
     let rods: Vec<Rod> = strands
         .iter()
         .flat_map(|strand| (1..strand.points.len()).map(move |i| (strand, [i - 1, i])))
