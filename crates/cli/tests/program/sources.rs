@@ -96,6 +96,8 @@ fn mistakes_are_told_in_their_place_and_leave_no_file() {
         ("[[scans]]\nfile = \"ramp.raw\"", "a.toml:3:8", "raw numbers need"),
         ("[[scans]]\nfile = \"ramp.raw\"\nsize = [9, 9, 9]\ntype = \"u8\"", "a.toml:3:8", "there are 27"),
         ("[[scans]]\nfile = \"ramp.raw\"\nsize = [3, 3, 3]", "a.toml:2:1", "one of them is missing"),
+        ("[[scans]]\nfile = \"ramp.nrrd\"\nskip = 9", "a.toml:2:1", "this file has a header"),
+        ("[[scans]]\nfile = \"ramp.nrrd\"\ndensity = 9", "a.toml:2:1", "belong to a `threshold`"),
         (
             "[[scans]]\nfile = \"ramp.nrrd\"\ntransfer = [{ value = 9, density = 1 }, { value = 9, density = 2 }]",
             "a.toml:4:41",

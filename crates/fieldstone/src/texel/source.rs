@@ -213,42 +213,61 @@ impl<'t> Reader<'t> {
 
     pub(super) fn scan(&mut self, read: Spanned<ScanText>) -> Option<Source> {
         let span = read.span();
-        let text = read.into_inner();
+        let mut text = read.into_inner();
         let usual = ScanOptions::default();
-        let bounds = self.corners(text.bounds);
-        let within = self.within(text.within);
-        let raw = match (text.size, text.number) {
-            (Some(size), Some(number)) => Some(RawLayout {
-                counts: size.map(|count| count.0 as usize),
-                number: number.number(),
-                big_endian: text.endian == Some(EndianText::Big),
-                skip: text.skip.map_or(0, |skip| skip.0 as usize),
-            }),
-            (None, None) => None,
-            _ => return self.fail(span, "raw numbers have a `size` and a `type`", "one of them is missing"),
-        };
+        let (bounds, within) = (self.corners(text.bounds.take()), self.within(text.within.take()));
+        let raw = self.layout(&text, &span)?;
         let scan = self.file(&text.file, |path| load_scan(&path, raw.as_ref()))?;
-        let transfer = match text.threshold {
-            Some(threshold) if !text.transfer.is_empty() => {
-                let message = "a scan has either a `threshold` or a `transfer` function";
-                return self.fail(threshold.span(), message, "one too many");
-            }
-            Some(threshold) => {
-                let paint = paint(text.colour, text.gloss, Paint::default());
-                let [low, high] = scan.range().unwrap_or([0.0, 1.0]).map(f64::from);
-                let level = threshold.into_inner().0;
-                // As steep as a hundredth of all numbers.
-                let step = (0.005 * (high - low)).max(f64::MIN_POSITIVE).max(1e-9 * level.abs());
-                let density = text.density.map_or(100.0, |density| density.0);
-                let knot = |value, density| Knot { value, density, albedo: paint.albedo, gloss: paint.gloss };
-                vec![knot(level - step, 0.0), knot(level + step, density)]
-            }
-            None => self.knots(text.transfer),
-        };
+        let transfer = self.transfer(&mut text, &scan, &span)?;
         let surface = text.surface.map_or(usual.surface, |cells| cells.0);
         let roughness = text.roughness.map_or(usual.roughness, |share| share.0);
         let options = ScanOptions { transfer, surface, roughness, bounds, within };
         Some(Source { span, kind: Kind::Scan(Arc::new(scan), options) })
+    }
+
+    /// How raw numbers stand in the file, if it has such; nothing if what is said of it makes no sense.
+    fn layout(&mut self, text: &ScanText, span: &Range<usize>) -> Option<Option<RawLayout>> {
+        let is_said = text.endian.is_some() || text.skip.is_some();
+        let name = text.file.get_ref().to_ascii_lowercase();
+        let has_head = [".nrrd", ".nhdr", ".nii", ".gz"].iter().any(|ending| name.ends_with(ending));
+        match (text.size, text.number) {
+            (None, None) if !is_said => Some(None),
+            (Some(size), Some(number)) if !has_head => Some(Some(RawLayout {
+                counts: size.map(|count| count.0 as usize),
+                number: number.number(),
+                big_endian: text.endian == Some(EndianText::Big),
+                skip: text.skip.map_or(0, |skip| skip.0 as usize),
+            })),
+            _ if has_head => {
+                let message =
+                    "`size`, `type`, `endian` and `skip` are for raw numbers: this file has a header";
+                self.fail(span.clone(), message, "leave them out")
+            }
+            _ => self.fail(span.clone(), "raw numbers have a `size` and a `type`", "one of them is missing"),
+        }
+    }
+
+    /// What the numbers of a scan look like.
+    fn transfer(&mut self, text: &mut ScanText, scan: &Scan, span: &Range<usize>) -> Option<Vec<Knot>> {
+        let Some(threshold) = &text.threshold else {
+            if text.density.is_some() || text.colour.is_some() || text.gloss.is_some() {
+                let message = "`density`, `colour` and `gloss` of a scan belong to a `threshold`";
+                return self.fail(span.clone(), message, "there is none");
+            }
+            return Some(self.knots(std::mem::take(&mut text.transfer)));
+        };
+        if !text.transfer.is_empty() {
+            let message = "a scan has either a `threshold` or a `transfer` function";
+            return self.fail(threshold.span(), message, "one too many");
+        }
+        let paint = paint(text.colour, text.gloss, Paint::default());
+        let [low, high] = scan.range().unwrap_or([0.0, 1.0]).map(f64::from);
+        let level = threshold.get_ref().0;
+        // As steep as a hundredth of all numbers.
+        let step = (0.005 * (high - low)).max(f64::MIN_POSITIVE).max(1e-9 * level.abs());
+        let knot = |value, density| Knot { value, density, albedo: paint.albedo, gloss: paint.gloss };
+        let density = text.density.map_or(100.0, |density| density.0);
+        Some(vec![knot(level - step, 0.0), knot(level + step, density)])
     }
 
     fn knots(&mut self, list: Vec<Spanned<KnotText>>) -> Vec<Knot> {
