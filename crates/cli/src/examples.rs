@@ -63,6 +63,9 @@ Examples:
     fieldstone texel build lawn.toml -o fine.texel --edge 256
     fieldstone texel build lawn.toml -o old.texel --filter 1995
 
+  From a recipe that names files in another folder:
+    fieldstone texel build relics.toml -o relics.texel --allow-read scans
+
   What is in it, and how far its coarser levels are from the finest:
     fieldstone texel info lawn.texel
     fieldstone texel compare lawn.texel --json

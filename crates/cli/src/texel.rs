@@ -6,7 +6,8 @@ use crate::render::check_writable;
 use clap::{Args, Subcommand, ValueEnum};
 use fieldstone::glam::DVec3;
 use fieldstone::{
-    Cut, CutContent, Fidelity, Mode, Recipe, Size, TexelError, Volume, load_volume, write_rgb, write_volume,
+    Cut, CutContent, Fidelity, FileAccess, Mode, Recipe, Size, TexelError, Volume, load_volume, write_rgb,
+    write_volume,
 };
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -17,7 +18,7 @@ use std::time::Instant;
 /// What to do with volumes of texels.
 #[derive(Debug, Subcommand)]
 pub(crate) enum TexelCommand {
-    /// Paint a volume from a recipe (docs/texels.md).
+    /// Make a volume from a recipe (docs/texels.md).
     Build(BuildArguments),
     /// Say what is in a volume.
     Info(InfoArguments),
@@ -41,6 +42,12 @@ pub(crate) struct BuildArguments {
     /// How coarser levels are made [default: what the recipe says].
     #[arg(long, value_enum)]
     filter: Option<FilterName>,
+    /// Let the recipe read what lies in this folder, beside its own; may be repeated.
+    #[arg(long, help_heading = OUTPUT, value_name = "DIR")]
+    allow_read: Vec<PathBuf>,
+    /// Let the recipe read every file.
+    #[arg(long, help_heading = OUTPUT)]
+    allow_outside: bool,
     /// Print nothing but errors.
     #[arg(short, long, help_heading = OUTPUT)]
     quiet: bool,
@@ -143,7 +150,11 @@ pub(crate) fn run(command: &TexelCommand, start: Instant) -> Result<(), Failure>
 fn build(arguments: &BuildArguments, start: Instant) -> Result<(), Failure> {
     expect_extension(&arguments.output, "texel", "a volume")?;
     check_writable(&arguments.output)?;
-    let mut recipe = Recipe::load(&arguments.recipe)?;
+    let access = FileAccess { folders: arguments.allow_read.clone(), outside: arguments.allow_outside };
+    let mut recipe = Recipe::load(&arguments.recipe, &access)?;
+    if !arguments.quiet {
+        recipe.warnings().iter().for_each(|warning| eprintln!("{warning}"));
+    }
     if let Some(edge) = arguments.edge {
         recipe = recipe.with_edge(edge).map_err(|why| Failure::Usage(format!("--edge: {why}")))?;
     }

@@ -1,12 +1,14 @@
-//! Writes the data of the gallery: an array of voxels and two tables of scattered points.
+//! Writes the data of the gallery: arrays of voxels, tables of scattered points, a mesh, strands and particles.
 //!
 //! ```text
 //! cargo run --release -p fieldstone --example gallery_data
 //! ```
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use std::f64::consts::{PI, TAU};
 use std::fs;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// How many voxels there are along each axis.
@@ -19,7 +21,105 @@ fn main() -> io::Result<()> {
     for count in [60, 160] {
         fs::write(folder.join(format!("points-{count}.csv")), points(count))?;
     }
-    Ok(())
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels/data");
+    fs::create_dir_all(&folder)?;
+    fs::write(folder.join("head.nrrd"), head()?)?;
+    fs::write(folder.join("crystal.obj"), crystal())?;
+    fs::write(folder.join("coil.txt"), coil())?;
+    fs::write(folder.join("swarm.csv"), swarm())
+}
+
+/// Voxels of the head along each axis.
+const HEAD: usize = 40;
+
+/// The seven largest ellipsoids of the head of Shepp and Logan (1974) in space, with the contrasts of P. Toft (1996): value,
+/// radii, middle, degrees about z.
+const ELLIPSOIDS: [[f64; 8]; 7] = [
+    [1.0, 0.69, 0.92, 0.81, 0.0, 0.0, 0.0, 0.0],
+    [-0.8, 0.6624, 0.874, 0.78, 0.0, -0.0184, 0.0, 0.0],
+    [-0.2, 0.11, 0.31, 0.22, 0.22, 0.0, 0.0, -18.0],
+    [-0.2, 0.16, 0.41, 0.28, -0.22, 0.0, 0.0, 18.0],
+    [0.1, 0.21, 0.25, 0.41, 0.0, 0.35, -0.15, 0.0],
+    [0.1, 0.046, 0.046, 0.05, 0.0, 0.1, 0.25, 0.0],
+    [0.1, 0.046, 0.046, 0.05, 0.0, -0.1, 0.25, 0.0],
+];
+
+/// The head, in means of 4 × 4 × 4 places of a voxel.
+fn head() -> io::Result<Vec<u8>> {
+    let part = |i: usize| (i as f64 + 0.5) / (2.0 * HEAD as f64) - 1.0;
+    let mut voxels = Vec::with_capacity(HEAD.pow(3));
+    for i in 0..HEAD.pow(3) {
+        let corner = [i % HEAD, i / HEAD % HEAD, i / HEAD / HEAD].map(|c| 4 * c);
+        let parts = (0..64).map(|k| [0, 1, 2].map(|axis| part(corner[axis] + (k >> (2 * axis) & 3))));
+        let mean = parts.map(tissue).sum::<f64>() / 64.0;
+        voxels.push((255.0 * mean.clamp(0.0, 1.0)).round() as u8);
+    }
+    let mut bytes = format!(
+        "NRRD0004\n# Seven ellipsoids of the head of Shepp and Logan.\ntype: uint8\ndimension: 3\n\
+         sizes: {HEAD} {HEAD} {HEAD}\nencoding: gzip\n\n"
+    )
+    .into_bytes();
+    let mut packer = GzEncoder::new(&mut bytes, Compression::best());
+    packer.write_all(&voxels)?;
+    packer.finish()?;
+    Ok(bytes)
+}
+
+/// What the head is at a point.
+fn tissue([x, y, z]: [f64; 3]) -> f64 {
+    let value = |[value, a, b, c, x0, y0, z0, degrees]: [f64; 8]| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (u, v) = (x - x0, y - y0);
+        let [u, v, w] = [(cos * u + sin * v) / a, (cos * v - sin * u) / b, (z - z0) / c];
+        if u * u + v * v + w * w <= 1.0 { value } else { 0.0 }
+    };
+    ELLIPSOIDS.into_iter().map(value).sum()
+}
+
+/// A prism of six sides with a point at either end.
+fn crystal() -> String {
+    let mut text = String::from("# A crystal.\nv 0 0 -1.6\nv 0 0 1.6\n");
+    for i in 0..6 {
+        let (y, x) = (TAU * i as f64 / 6.0).sin_cos();
+        text += &format!("v {x:.4} {y:.4} -0.8\nv {x:.4} {y:.4} 0.8\n");
+    }
+    for i in 0..6 {
+        let [a, b] = [i, (i + 1) % 6].map(|k| 3 + 2 * k);
+        text += &format!("f 1 {b} {a}\nf {a} {b} {} {}\nf 2 {} {}\n", b + 1, a + 1, a + 1, b + 1);
+    }
+    text
+}
+
+/// Three threads around one another along a ring.
+fn coil() -> String {
+    let mut text = String::from("# x y z radius\n");
+    for thread in 0..3 {
+        for i in 0..=180 {
+            let along = TAU * i as f64 / 180.0;
+            let around = 12.0 * along + TAU * thread as f64 / 3.0;
+            let across = 1.0 + 0.12 * around.cos();
+            let [x, y, z] = [across * along.cos(), across * along.sin(), 0.12 * around.sin()];
+            text += &format!("{x:.4} {y:.4} {z:.4} 0.05\n");
+        }
+        text += "\n";
+    }
+    text
+}
+
+/// Balls along two arms of a spiral, from yellow to blue.
+fn swarm() -> String {
+    let mut table = String::from("x,y,z,radius,red,green,blue\n");
+    for i in 0..240 {
+        let (share, arm) = (f64::from(i / 2) / 120.0, f64::from(i % 2));
+        let wobble = (f64::from(i) * 0.754_877_666).fract() - 0.5;
+        let (sin, cos) = (PI * (arm + 2.2 * share) + 0.5 * wobble).sin_cos();
+        let out = 0.12 + 0.88 * share;
+        let up = 0.12 * ((f64::from(i) * 0.569_840_29).fract() - 0.5);
+        let radius = 0.045 * (1.0 - 0.6 * share);
+        let [red, blue] = [0.9 - 0.7 * share, 0.2 + 0.7 * share];
+        table += &format!("{:.3},{:.3},{up:.3},{radius:.3},{red:.2},0.5,{blue:.2}\n", out * cos, out * sin);
+    }
+    table
 }
 
 /// A coarse array of bytes: 0 to 255 for densities from −1 to 1 over −1 to 1 in space, x next to one another.

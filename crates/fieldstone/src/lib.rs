@@ -62,6 +62,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod access;
 mod convert;
 mod data;
 mod document;
@@ -81,12 +82,13 @@ mod request;
 mod slice;
 mod texel;
 
+pub use access::FileAccess;
 pub use convert::{ConvertError, convert};
 pub use data::{
     DataError, MAX_DATA_BYTES, NumberType, Placement, RawLayout, load_nrrd, load_points, load_raw, load_scan,
     load_voxels,
 };
-pub use document::{Document, FileAccess, ResolvedDocument, SceneRequest, scene_schema};
+pub use document::{Document, ResolvedDocument, SceneRequest, scene_schema};
 pub use endless::{LoopError, settle_loops};
 pub use evaluate::Evaluator;
 pub use frames::{Frames, FramesError, MAX_FRAMES};

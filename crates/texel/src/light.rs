@@ -97,6 +97,10 @@ impl Volume {
         let Some(view) = (-ray.direction).try_normalize() else { return gathered };
         let mut depths = vec![(f64::NAN, 0.0); lamps.len()];
         for segment in self.segments(ray, span, &level) {
+            // A cell may hold so little that nothing of it is seen.
+            if segment.extinction(ray) == 0.0 {
+                continue;
+            }
             let looked_at = level(segment.from);
             for (from, to) in self.pieces(&segment, ray, looked_at) {
                 let piece = Piece { from, to, extinction: segment.extinction(ray), level: looked_at };

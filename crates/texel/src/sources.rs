@@ -149,6 +149,25 @@ impl Place {
         Ok(Self { corner: 0.5 * (from + to) - DVec3::splat(0.5 / scale), scale })
     }
 
+    /// The box from `low` to `high` in the middle of a box of the volume, as large as it can be.
+    ///
+    /// # Errors
+    /// Boxes that are not finite, or have no side longer than 0; a box of the volume with a side that is not longer than 0.
+    pub fn inside(low: [f64; 3], high: [f64; 3], room: [[f64; 3]; 2]) -> Result<Self, SourceError> {
+        let (from, to) = (DVec3::from_array(low), DVec3::from_array(high));
+        let [room_from, room_to] = room.map(DVec3::from_array);
+        let (size, room_size) = (to - from, room_to - room_from);
+        if !(size.is_finite() && size.min_element() >= 0.0 && size.max_element() > 0.0) {
+            return Err(SourceError::Bounds { low, high });
+        }
+        if !(room_size.is_finite() && room_size.min_element() > 0.0) {
+            return Err(SourceError::Bounds { low: room[0], high: room[1] });
+        }
+        // A side of length 0 fits with any scale.
+        let scale = (room_size / size).min_element();
+        Ok(Self { corner: 0.5 * (from + to) - 0.5 * (room_from + room_to) / scale, scale })
+    }
+
     /// A point of the source in the volume.
     pub fn cube_from_model(&self, p: DVec3) -> DVec3 {
         (p - self.corner) * self.scale
@@ -165,13 +184,16 @@ impl Place {
     }
 }
 
-/// The place of a source whose box is given, or found.
+/// The place of a source whose box is given, or found, in a part of the volume that is given, or all.
 fn placed(
     builder: &Builder,
-    bounds: Option<[[f64; 3]; 2]>,
+    [bounds, within]: [Option<[[f64; 3]; 2]>; 2],
     hull: impl FnOnce() -> [[f64; 3]; 2],
 ) -> Result<Place, SourceError> {
     let [low, high] = bounds.unwrap_or_else(hull);
+    if let Some(room) = within {
+        return Place::inside(low, high, room);
+    }
     Place::fit(low, high, f64::from(builder.edge()).recip().min(0.25))
 }
 
@@ -194,7 +216,7 @@ mod tests {
     #[test]
     fn options_are_read_from_toml() {
         let bake: BakeOptions = toml::from_str("roughness = 0.3\ninside = \"full\"").unwrap();
-        assert_eq!(bake, BakeOptions { roughness: 0.3, inside: Inside::Full, open: false });
+        assert_eq!(bake, BakeOptions { roughness: 0.3, inside: Inside::Full, ..BakeOptions::default() });
         let mesh: MeshOptions = toml::from_str("body = \"sheets\"\npaint = { albedo = [1, 0, 0] }").unwrap();
         assert_eq!((mesh.body, mesh.paint.albedo), (Body::Sheets, [1.0, 0.0, 0.0]));
         let strands: StrandOptions = toml::from_str("bounds = [[0, 0, 0], [1, 1, 1]]").unwrap();
@@ -226,6 +248,12 @@ mod tests {
                 && (high - DVec3::new(0.9, 0.6, 0.7)).length() < 1e-12
         );
         assert!((place.model_from_cube(high) - DVec3::new(3.0, 1.0, 2.0)).length() < 1e-12);
+        let room = [[0.0, 0.0, 0.5], [1.0, 1.0, 1.0]];
+        let flat = Place::inside([-1.0, 0.0, 3.0], [3.0, 1.0, 3.0], room).unwrap();
+        assert_eq!(flat.cube_from_model(DVec3::new(-1.0, 0.5, 3.0)).to_array(), [0.0, 0.5, 0.75]);
+        let tall = Place::inside([0.0; 3], [1.0, 1.0, 2.0], room).unwrap();
+        assert_eq!(tall.cube_from_model(DVec3::new(0.0, 0.0, 2.0)).to_array(), [0.375, 0.375, 1.0]);
+        assert!(Place::inside([0.0; 3], [1.0; 3], [[0.0; 3], [1.0, 0.0, 1.0]]).is_err());
         assert!(Place::fit([0.0; 3], [0.0; 3], 0.0).is_err());
         assert!(Place::fit([0.0; 3], [1.0; 3], 0.5).is_err());
     }

@@ -14,4 +14,5 @@ mod render;
 mod robust;
 mod scene;
 mod slice;
+mod sources;
 mod texel;

@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, Outcome};
 use super::tree::Value;
+use crate::access::{FileAccess, NoFile, Reach};
 use crate::endless::{LoopError, settle_loops};
 use crate::inputs::Inputs;
 use crate::load::{LoadError, LoadOptions, Loaded, load};
@@ -13,14 +14,8 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// What a scene file may read beside what lies in its folder.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct FileAccess {
-    /// More folders, with what lies below them.
-    pub folders: Vec<PathBuf>,
-    /// Whether it may read every file.
-    pub outside: bool,
-}
+/// What lets more files be read.
+const ALLOW: &str = "to let the scene read it, use --allow-read FOLDER, or --allow-outside for all files";
 
 /// How a model is read.
 pub(super) type ModelKey = (PathBuf, LoadOptions, Option<u32>);
@@ -39,17 +34,18 @@ pub(super) struct VolumeKey {
 /// The files of a scene.
 #[derive(Debug)]
 pub(super) struct Files {
-    folder: PathBuf,
-    access: FileAccess,
+    reach: Reach,
     models: RefCell<Vec<(ModelKey, Rc<Loaded>)>>,
     volumes: RefCell<Vec<(PathBuf, VolumeKey, Arc<Volume>)>>,
     places: RefCell<HashMap<String, PathBuf>>,
+    /// What recipes gave reason to say.
+    warnings: RefCell<Vec<String>>,
 }
 
 impl Files {
     pub(super) fn new(folder: &Path, access: &FileAccess) -> Self {
-        let (models, volumes, places) = Default::default();
-        Self { folder: folder.to_owned(), access: access.clone(), models, volumes, places }
+        let (models, volumes, places, warnings) = Default::default();
+        Self { reach: Reach::new(folder, access), models, volumes, places, warnings }
     }
 
     /// The place of a file that is named at `value`, if it may be read.
@@ -58,33 +54,22 @@ impl Files {
         if let Some(place) = self.places.borrow().get(name) {
             return Ok(place.clone());
         }
-        let named = self.folder.join(name);
-        let missing = || -> Fault {
-            let help = format!("files are named relative to the scene file, here {}", self.folder.display());
-            value.error(format!("there is no file {}", named.display()), "not found").with_help(help).into()
-        };
-        if name.is_empty() {
-            return Err(missing());
-        }
-        let real = |path: &Path| path.canonicalize();
-        let allowed = std::iter::once(&self.folder).chain(&self.access.folders);
-        let is_below = |place: &Path| {
-            self.access.outside || allowed.clone().filter_map(|f| real(f).ok()).any(|f| place.starts_with(f))
-        };
-        let refused = || -> Fault {
-            let message = format!("{} lies outside of the folder of the scene", named.display());
-            let help = "to let the scene read it, use --allow-read FOLDER, or --allow-outside for all files";
-            value.error(message, "may not be read").with_help(help).into()
-        };
-        let place = match real(&named) {
-            Ok(place) => place,
-            // Nothing is said of what lies outside, not even whether it is there.
-            Err(_) if !self.access.outside && leads_out(name) => return Err(refused()),
-            Err(_) => return Err(missing()),
-        };
-        if !is_below(&place) {
-            return Err(refused());
-        }
+        let named = self.reach.find(name).map_err(|why| -> Fault {
+            match why {
+                NoFile::Missing(named) => {
+                    let folder = self.reach.folder().display();
+                    let help = format!("files are named relative to the scene file, here {folder}");
+                    value
+                        .error(format!("there is no file {}", named.display()), "not found")
+                        .with_help(help)
+                        .into()
+                }
+                NoFile::Outside(named) => {
+                    let message = format!("{} lies outside of the folder of the scene", named.display());
+                    value.error(message, "may not be read").with_help(ALLOW).into()
+                }
+            }
+        })?;
         // Messages show the name as the scene has it.
         self.places.borrow_mut().insert(name.to_owned(), named.clone());
         Ok(named)
@@ -121,7 +106,7 @@ impl Files {
         if let Some((.., volume)) = self.volumes.borrow().iter().find(known) {
             return Ok(Arc::clone(volume));
         }
-        let volume = read_volume(&place, wanted).map_err(|error| match error {
+        let volume = self.read_volume(&place, wanted).map_err(|error| match error {
             TexelError::Load(LoadError::Model(diagnostics)) => Fault::Elsewhere(Box::new(diagnostics)),
             other => value.error(other.to_string(), "this file").into(),
         })?;
@@ -130,45 +115,28 @@ impl Files {
         Ok(volume)
     }
 
-    /// The warnings of all models that were read.
+    fn read_volume(&self, place: &Path, wanted: VolumeKey) -> Result<Volume, TexelError> {
+        let VolumeKey { is_recipe, edge, mode } = wanted;
+        if is_recipe {
+            let mut recipe = Recipe::load(place, &self.reach.access())?;
+            self.warnings.borrow_mut().extend_from_slice(recipe.warnings());
+            // The edge is a power of two: that was checked where it stands.
+            if let Some(with_edge) = edge.and_then(|edge| recipe.clone().with_edge(edge).ok()) {
+                recipe = with_edge;
+            }
+            return mode.map_or(recipe.clone(), |mode| recipe.with_mode(mode)).build();
+        }
+        let volume = load_volume(place)?;
+        match mode {
+            Some(mode) if mode != volume.mode() => Ok(volume.filtered(mode)?),
+            _ => Ok(volume),
+        }
+    }
+
+    /// The warnings of all models and recipes that were read.
     pub(super) fn warnings(&self) -> Vec<String> {
         let models = self.models.borrow();
-        models.iter().flat_map(|(_, loaded)| loaded.rendered_warnings().collect::<Vec<_>>()).collect()
+        let of_models = models.iter().flat_map(|(_, loaded)| loaded.rendered_warnings().collect::<Vec<_>>());
+        of_models.chain(self.warnings.borrow().iter().cloned()).collect()
     }
-}
-
-fn read_volume(place: &Path, wanted: VolumeKey) -> Result<Volume, TexelError> {
-    let VolumeKey { is_recipe, edge, mode } = wanted;
-    if is_recipe {
-        let recipe = Recipe::load(place)?;
-        // The edge is a power of two: that was checked where it stands.
-        let recipe = match edge.and_then(|edge| recipe.clone().with_edge(edge).ok()) {
-            Some(with_edge) => with_edge,
-            None => recipe,
-        };
-        return mode.map_or(recipe.clone(), |mode| recipe.with_mode(mode)).build();
-    }
-    let volume = load_volume(place)?;
-    match mode {
-        Some(mode) if mode != volume.mode() => Ok(volume.filtered(mode)?),
-        _ => Ok(volume),
-    }
-}
-
-/// Whether a name leads out of the folder that it starts from.
-fn leads_out(name: &str) -> bool {
-    use std::path::Component;
-    let mut depth = 0i32;
-    for component in Path::new(name).components() {
-        match component {
-            Component::Normal(_) => depth += 1,
-            Component::ParentDir => depth -= 1,
-            Component::CurDir => {}
-            Component::RootDir | Component::Prefix(_) => return true,
-        }
-        if depth < 0 {
-            return true;
-        }
-    }
-    false
 }

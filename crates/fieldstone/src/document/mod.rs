@@ -29,9 +29,10 @@ mod unused;
 mod usage;
 mod view;
 
-pub use files::FileAccess;
 pub use schema::scene_schema;
+pub(crate) use tree::place_in_text;
 
+use crate::access::{FileAccess, folder_of};
 use crate::eye;
 use crate::load::{LoadError, read_text};
 use crate::request::{Resolved, Warning};
@@ -103,8 +104,7 @@ impl Document {
     /// A file that cannot be read; a text that is no scene.
     pub fn load(path: &Path, access: &FileAccess) -> Result<Self, LoadError> {
         let source = Source::new(path.display().to_string(), read_text(path)?);
-        let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Ok(Self::parse(source, folder, access)?)
+        Ok(Self::parse(source, folder_of(path), access)?)
     }
 
     /// Reads the text of a scene whose files are named relative to `folder`.

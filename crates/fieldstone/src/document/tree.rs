@@ -162,7 +162,7 @@ fn value(parsed: Spanned<DeValue<'_>>) -> Value {
 /// The place in a file of a part of a text that stands there in quotes at `span`.
 ///
 /// Texts with escapes are taken as a whole: what stands in the file is not what they say.
-pub(super) fn place_in_text(file: &str, span: &Range<usize>, text: &str, part: Range<usize>) -> Range<usize> {
+pub(crate) fn place_in_text(file: &str, span: &Range<usize>, text: &str, part: Range<usize>) -> Range<usize> {
     let raw = file.get(span.clone()).unwrap_or_default();
     let quotes = if raw.starts_with("\"\"\"") || raw.starts_with("'''") { 3 } else { 1 };
     let inner = raw.get(quotes..raw.len().saturating_sub(quotes)).unwrap_or_default();

@@ -3,6 +3,7 @@
 mod cut;
 mod mend;
 mod recipe;
+mod source;
 mod text;
 mod values;
 

@@ -2,16 +2,19 @@
 
 use super::TexelError;
 use super::mend::{self, Mended};
+use super::source::{self, Reader, axes};
 use super::text::{Axis, FilterName, FlakesText, PhongText, RecipeText, ScatterText, ShapeText, TubeText};
 use super::values::{Degrees, Edge, Length, vector};
+use crate::access::{FileAccess, Reach, folder_of};
 use crate::load::{LoadError, read_text};
 use fieldstone_lang::{Diagnostic, Diagnostics, Source};
 use fieldstone_texel::paint::{Flakes, Form, Frame, Material, Scatter, Shape, paint};
 use fieldstone_texel::{Builder, Mode, Phong, Volume};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use serde_json::Value;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 use toml::Spanned;
 
 /// A JSON Schema (draft 2020-12) that recipes satisfy when they are read as JSON: editors complete keys with it. What it
@@ -31,23 +34,35 @@ pub struct Recipe {
     phong: Phong,
     shapes: Vec<Shape>,
     scatters: Vec<Scatter>,
+    sources: Vec<source::Source>,
+    warnings: Vec<String>,
+    text: Arc<Source>,
 }
 
 impl Recipe {
-    /// Reads a recipe.
+    /// Reads a recipe, and the files that it names.
     ///
     /// # Errors
-    /// The file cannot be read, or is no recipe.
-    pub fn load(path: &Path) -> Result<Self, LoadError> {
-        Ok(Self::parse(Source::new(path.display().to_string(), read_text(path)?))?)
+    /// A file that cannot be read, or holds something else.
+    pub fn load(path: &Path, access: &FileAccess) -> Result<Self, LoadError> {
+        let source = Source::new(path.display().to_string(), read_text(path)?);
+        Ok(Self::parse(source, folder_of(path), access)?)
     }
 
-    /// Reads the text of a recipe.
+    /// Reads the text of a recipe, and the files that it names, relative to `folder`.
     ///
     /// # Errors
-    /// A text that is no recipe.
-    pub fn parse(source: Source) -> Result<Self, Diagnostics> {
-        read(&source.text).map_err(|list| Diagnostics { source, list })
+    /// A text that is no recipe, and files that cannot be read.
+    pub fn parse(source: Source, folder: &Path, access: &FileAccess) -> Result<Self, Diagnostics> {
+        match read(&source, &Reach::new(folder, access)) {
+            Ok(recipe) => Ok(recipe),
+            Err(list) => Err(Diagnostics { source, list }),
+        }
+    }
+
+    /// What the models of the recipe give reason to say.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Cells along the volume's edge.
@@ -73,23 +88,29 @@ impl Recipe {
     /// The volume. All that chance decides comes from the seeds.
     ///
     /// # Errors
-    /// The shapes fill more cells than are allowed.
+    /// The shapes or sources fill more cells than are allowed, or a source has no size.
     pub fn build(&self) -> Result<Volume, TexelError> {
         let mut builder = Builder::new(self.edge)?.cyclic(self.cyclic).phong(self.phong);
         let single = self.shapes.iter().zip(0..).map(|(shape, seed)| shape.solid(seed));
         paint(&mut builder, single.chain(self.scatters.iter().flat_map(Scatter::solids)))?;
+        let failed = |error| Diagnostics { source: (*self.text).clone(), list: vec![error] };
+        for source in &self.sources {
+            source.add(&mut builder).map_err(|error| LoadError::from(failed(error)))?;
+        }
         Ok(builder.build(self.mode)?)
     }
 }
 
 /// What of a recipe makes sense, and all that does not.
-fn read(text: &str) -> Result<Recipe, Vec<Diagnostic>> {
-    let Mended { value, mut errors, damaged } = mend::read::<RecipeText>(text);
-    let Some(read) = value else { return Err(errors) };
+fn read(source: &Source, reach: &Reach) -> Result<Recipe, Vec<Diagnostic>> {
+    let Mended { value, mut errors, damaged } = mend::read::<RecipeText>(&source.text);
+    let Some(mut read) = value else { return Err(errors) };
     let mut list = Vec::new();
     if errors.is_empty() {
         list.extend(check_amounts(&read));
     }
+    let mut reader = Reader::new(&source.text, reach);
+    let sources = sources(&mut read, &damaged, &mut reader);
     // What is wrong with a shape of which a part was left out follows from that part.
     let is_whole = |span: Range<usize>| !damaged.contains(&span);
     let shapes = read.shapes.into_iter().filter(|shape| is_whole(shape.span()));
@@ -101,6 +122,7 @@ fn read(text: &str) -> Result<Recipe, Vec<Diagnostic>> {
         }
     }
     errors.extend(list);
+    errors.append(&mut reader.errors);
     if !errors.is_empty() {
         errors.sort_by_key(|error| error.span.start);
         return Err(errors);
@@ -112,13 +134,34 @@ fn read(text: &str) -> Result<Recipe, Vec<Diagnostic>> {
         phong: read.phong.map_or(Phong::default(), PhongText::phong),
         shapes,
         scatters,
+        sources,
+        warnings: reader.warnings,
+        text: Arc::new(source.clone()),
     })
+}
+
+/// The tables of a list from which nothing was left out.
+fn whole<T>(list: &mut Vec<Spanned<T>>, damaged: &[Range<usize>]) -> impl Iterator<Item = Spanned<T>> {
+    std::mem::take(list).into_iter().filter(|table| !damaged.contains(&table.span()))
+}
+
+/// All sources that make sense, in the order of their kinds.
+fn sources(text: &mut RecipeText, damaged: &[Range<usize>], reader: &mut Reader<'_>) -> Vec<source::Source> {
+    let mut sources = Vec::new();
+    sources.extend(whole(&mut text.fields, damaged).filter_map(|text| reader.field(text)));
+    sources.extend(whole(&mut text.meshes, damaged).filter_map(|text| reader.mesh(text)));
+    sources.extend(whole(&mut text.strands, damaged).filter_map(|text| reader.strands(text)));
+    sources.extend(whole(&mut text.particles, damaged).filter_map(|text| reader.particles(text)));
+    sources.extend(whole(&mut text.scans, damaged).filter_map(|text| reader.scan(text)));
+    sources.extend(whole(&mut text.noise, damaged).filter_map(|text| reader.noise(text)));
+    sources
 }
 
 /// Nothing, and too much.
 fn check_amounts(read: &RecipeText) -> Option<Diagnostic> {
-    if read.shapes.is_empty() && read.scatters.is_empty() {
-        let error = Diagnostic::error(0..0, "nothing is painted", "no [[shapes]] and no [[scatters]]");
+    if read.is_empty() {
+        let error =
+            Diagnostic::error(0..0, "nothing is painted", "no [[shapes]], [[scatters]] or other source");
         return Some(error.with_help("begin with [[shapes]] and ellipsoid = { radii = [0.3, 0.3, 0.3] }"));
     }
     let copies: u64 = read.scatters.iter().map(|scatter| scatter.get_ref().copies()).sum();
@@ -195,12 +238,9 @@ fn tube(text: TubeText) -> Result<Form, Diagnostic> {
 }
 
 fn frame(text: &ShapeText) -> Frame {
-    let up = text.axis.map_or(DVec3::Z, |axis| axis.0);
-    let toward = text.toward.map_or(DVec3::X, |toward| toward.0);
-    let x = (toward - toward.dot(up) * up).try_normalize().unwrap_or_else(|| up.any_orthonormal_vector());
     let size = text.size.map_or(1.0, |size| size.0);
     let origin = text.at.map_or(DVec3::ZERO, vector);
-    Frame { origin, axes: DMat3::from_cols(x, up.cross(x), up) * size }
+    Frame { origin, axes: axes(text.axis, text.toward) * size }
 }
 
 fn material(text: &ShapeText) -> Material {
@@ -282,7 +322,7 @@ mod tests {
 
     fn error(text: &str) -> String {
         let source = Source::new("bush.toml", text);
-        Recipe::parse(source).expect_err("no recipe").to_string()
+        Recipe::parse(source, Path::new("."), &FileAccess::default()).expect_err("no recipe").to_string()
     }
 
     #[test]
@@ -302,7 +342,8 @@ mod tests {
             lean = 5
             size = [0.8, 1.2]
         "##;
-        let recipe = Recipe::parse(Source::new("lawn.toml", text)).expect("a recipe");
+        let recipe = Recipe::parse(Source::new("lawn.toml", text), Path::new("."), &FileAccess::default())
+            .expect("a recipe");
         let volume = recipe.build().expect("few cells");
         assert_eq!(
             (volume.edge(), volume.cyclic(), volume.mode()),
@@ -319,12 +360,50 @@ mod tests {
         for entry in std::fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();
             if path.extension().is_some_and(|ending| ending == "toml") {
-                let recipe = Recipe::load(&path).expect("a recipe").with_edge(16).expect("a power of two");
+                let recipe = Recipe::load(&path, &FileAccess::default())
+                    .expect("a recipe")
+                    .with_edge(16)
+                    .expect("a power of two");
                 assert!(recipe.build().expect("few cells").size().filled > 100, "{}", path.display());
                 count += 1;
             }
         }
         assert!(count >= 5, "{count}");
+    }
+
+    /// The recipes of the document, with the files of the gallery.
+    #[test]
+    fn examples_of_the_document_are_built() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let text = std::fs::read_to_string(root.join("docs/texels.md")).expect("a text");
+        let validator = jsonschema::validator_for(&recipe_schema()).expect("a schema");
+        let (mut recipes, mut is_code) = (Vec::new(), false);
+        for line in text.lines() {
+            let code = line.strip_prefix("    ");
+            match code.or(line.is_empty().then_some("")) {
+                Some(code) if code.starts_with("edge = ") => recipes.push(format!("{code}\n")),
+                Some(code) if is_code => {
+                    recipes.last_mut().into_iter().for_each(|text| *text += &format!("{code}\n"))
+                }
+                _ => {}
+            }
+            is_code =
+                code.is_some_and(|code| is_code || code.starts_with("edge = ")) || is_code && line.is_empty();
+        }
+        let mut kinds = String::new();
+        for text in &recipes {
+            let source = Source::new("docs/texels.md", text);
+            let recipe = Recipe::parse(source, &root.join("gallery/texels"), &FileAccess::default());
+            let recipe =
+                recipe.unwrap_or_else(|error| panic!("{error}")).with_edge(16).expect("a power of two");
+            let filled = recipe.build().expect("few cells").size().filled;
+            assert!(filled > 50, "{filled}: {text}");
+            assert!(validator.is_valid(&toml::from_str(text).expect("TOML")), "{text}");
+            kinds += text;
+        }
+        for kind in ["scatters", "fields", "meshes", "strands", "particles", "scans", "noise"] {
+            assert!(kinds.contains(&format!("[[{kind}]]")), "{kind}");
+        }
     }
 
     #[test]
@@ -364,7 +443,11 @@ mod tests {
         let validator = jsonschema::validator_for(&recipe_schema()).expect("a schema");
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
         for entry in std::fs::read_dir(folder).expect("a folder") {
-            let text = std::fs::read_to_string(entry.expect("an entry").path()).expect("a text");
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                continue;
+            }
+            let text = std::fs::read_to_string(path).expect("a text");
             let recipe: Value = toml::from_str(&text).expect("TOML");
             assert!(
                 validator.is_valid(&recipe),

@@ -1,5 +1,7 @@
 //! What the text of a recipe may hold. The JSON Schema is made from it, and the words in it from these documents.
 
+pub(super) mod sources;
+
 use super::values::{
     Colour, Count, Degrees, Direction, Edge, Exponent, Extinction, Fold, Length, Place, Seed, Share, Size,
     Spread,
@@ -7,6 +9,7 @@ use super::values::{
 use fieldstone_texel::{Mode, Phong};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use sources::{FieldText, MeshText, NoiseText, PointsText, ScanText};
 use toml::Spanned;
 
 #[derive(Deserialize, JsonSchema)]
@@ -29,6 +32,40 @@ pub(super) struct RecipeText {
     #[serde(default)]
     #[schemars(with = "Vec<ScatterText>")]
     pub(super) scatters: Vec<Spanned<ScatterText>>,
+    /// Solids of formulas and models.
+    #[serde(default, alias = "field")]
+    #[schemars(with = "Vec<FieldText>")]
+    pub(super) fields: Vec<Spanned<FieldText>>,
+    /// Meshes of triangles.
+    #[serde(default, alias = "mesh")]
+    #[schemars(with = "Vec<MeshText>")]
+    pub(super) meshes: Vec<Spanned<MeshText>>,
+    /// Hair, grass, threads.
+    #[serde(default)]
+    #[schemars(with = "Vec<PointsText>")]
+    pub(super) strands: Vec<Spanned<PointsText>>,
+    /// Balls.
+    #[serde(default)]
+    #[schemars(with = "Vec<PointsText>")]
+    pub(super) particles: Vec<Spanned<PointsText>>,
+    /// Numbers on a grid, as tomographs make them.
+    #[serde(default, alias = "scan")]
+    #[schemars(with = "Vec<ScanText>")]
+    pub(super) scans: Vec<Spanned<ScanText>>,
+    /// Clouds of noise.
+    #[serde(default)]
+    #[schemars(with = "Vec<NoiseText>")]
+    pub(super) noise: Vec<Spanned<NoiseText>>,
+}
+
+impl RecipeText {
+    /// Whether nothing is in the volume.
+    pub(super) fn is_empty(&self) -> bool {
+        let is_painted = !(self.shapes.is_empty() && self.scatters.is_empty());
+        let has_points = !(self.meshes.is_empty() && self.strands.is_empty() && self.particles.is_empty());
+        let has_values = !(self.fields.is_empty() && self.scans.is_empty() && self.noise.is_empty());
+        !(is_painted || has_points || has_values)
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Deserialize, JsonSchema)]

@@ -66,6 +66,30 @@ ranged! {
     /// An extinction per edge.
     Extinction(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an extinction above 0, at most 1000000",
         { "type": "number", "exclusiveMinimum": 0, "maximum": 1_000_000 };
+    /// An extinction or a width that may be 0.
+    Thickness(f64 as f64) if |x| (0.0..=1e6).contains(&x), "a number from 0 to 1000000",
+        { "type": "number", "minimum": 0, "maximum": 1_000_000 };
+    /// A number above 0.
+    Positive(f64 as f64) if |x| x > 0.0 && x <= 1e6, "a number above 0, at most 1000000",
+        { "type": "number", "exclusiveMinimum": 0, "maximum": 1_000_000 };
+    /// A coordinate of a source.
+    Coordinate(f64 as f64) if |x| x.abs() <= 1e6, "a number from -1000000 to 1000000",
+        { "type": "number", "minimum": -1_000_000, "maximum": 1_000_000 };
+    /// A number of a scan.
+    Number(f64 as f64) if |x| x.abs() <= 1e30, "a number from -1e30 to 1e30",
+        { "type": "number", "minimum": -1e30, "maximum": 1e30 };
+    /// Perlin's bias and gain.
+    Bias(f64 as f64) if |x| x > 0.0 && x < 1.0, "a number between 0 and 1",
+        { "type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1 };
+    /// How many octaves.
+    Octaves(f64 as u32) if |x| (1.0..=16.0).contains(&x) && x.fract() == 0.0, "a whole number from 1 to 16",
+        { "type": "integer", "minimum": 1, "maximum": 16 };
+    /// By how much frequencies rise.
+    Lacunarity(f64 as f64) if |x| x > 1.0 && x <= 100.0, "a number above 1, at most 100",
+        { "type": "number", "exclusiveMinimum": 1, "maximum": 100 };
+    /// How many bytes are left out.
+    Skip(f64 as u32) if |x| (0.0..=536_870_912.0).contains(&x) && x.fract() == 0.0, "a whole number from 0 to 536870912",
+        { "type": "integer", "minimum": 0, "maximum": 536_870_912 };
     /// Phong's exponent.
     Exponent(f64 as f64) if |x| x > 0.0 && x <= 1e6, "an exponent above 0, at most 1000000",
         { "type": "number", "exclusiveMinimum": 0, "maximum": 1_000_000 };

@@ -11,7 +11,7 @@
 use super::cell::{Finish, Gathered, ISOTROPIC, opaque};
 use super::mask::{Mask, PARTS};
 use super::slice::slice_area;
-use super::{MAX_CELLS, Paint, Place, SourceError};
+use super::{MAX_CELLS, Paint, Place, SourceError, placed};
 use crate::{Builder, Texel};
 use fieldstone_field::{
     Bindings, F64, Field, Gradients, Graph, Input, Intervals, LANES, Points, Reading, Tape, TapeOptions,
@@ -45,13 +45,15 @@ pub struct BakeOptions {
     pub inside: Inside,
     /// Whether the solid is left open where the box cuts it; otherwise it ends there with faces of its own.
     pub open: bool,
+    /// The part of the volume that the box is fitted into, two corners; by default all but one cell at either end.
+    pub within: Option<[[f64; 3]; 2]>,
 }
 
 /// What a baked point is painted with: from the point, in coordinates of the field, and the field's attributes there.
 pub type Painter<'a> = &'a (dyn Fn(DVec3, &[f64]) -> Paint + Sync);
 
-/// Adds the part of a solid in the box from `low` to `high`, in coordinates of the field, which fills the volume but for one
-/// cell at either end of its longest side. Returns where the field's points are in the volume.
+/// Adds the part of a solid in the box from `low` to `high`, in coordinates of the field, which is fitted into
+/// the volume. Returns where the field's points are in the volume.
 ///
 /// # Errors
 /// Boxes that are none, options out of their ranges, and more cells than [`MAX_CELLS`].
@@ -64,7 +66,7 @@ pub fn bake(
 ) -> Result<Place, SourceError> {
     let good = (0.0..=1.0).contains(&options.roughness);
     SourceError::check("roughness", options.roughness, good, "a number from 0 to 1")?;
-    let place = Place::fit(low, high, f64::from(builder.edge()).recip().min(0.25))?;
+    let place = placed(builder, [Some([low, high]), options.within], || [low, high])?;
     let solid = if options.open { field.clone() } else { capped(field, low, high) };
     let baker = Baker::new(&solid, bindings, place, builder.edge(), (options, paint));
     let (open, inside) = baker.blocks();

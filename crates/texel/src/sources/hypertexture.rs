@@ -33,6 +33,8 @@ pub struct HypertextureOptions {
     pub surface: f64,
     /// How far the flakes spread around the normals of such surfaces, 0 to 1.
     pub roughness: f64,
+    /// The part of the volume that the box is fitted into, two corners; by default all but one cell at either end.
+    pub within: Option<[[f64; 3]; 2]>,
 }
 
 impl Default for HypertextureOptions {
@@ -47,6 +49,7 @@ impl Default for HypertextureOptions {
             paint: Paint::default(),
             surface: 2.0,
             roughness: 0.3,
+            within: None,
         }
     }
 }
@@ -111,7 +114,7 @@ pub fn add_hypertexture(
     options: &HypertextureOptions,
 ) -> Result<Place, SourceError> {
     options.check()?;
-    let place = placed(builder, Some([low, high]), || [low, high])?;
+    let place = placed(builder, [Some([low, high]), options.within], || [low, high])?;
     let cells = place.scale() * f64::from(builder.edge());
     let look = Look::new(2, options.surface, options.roughness)?;
     // Two samples to a cell cannot hold more than one wave, or two lattice points.

@@ -67,6 +67,8 @@ pub struct MeshOptions {
     pub paint: Paint,
     /// The box that fills the volume, two corners; by default the one around the mesh.
     pub bounds: Option<[[f64; 3]; 2]>,
+    /// The part of the volume that this box is fitted into, two corners; by default all but one cell at either end.
+    pub within: Option<[[f64; 3]; 2]>,
 }
 
 /// Adds a mesh. Triangles that refer to points that are not there are left out.
@@ -77,7 +79,7 @@ pub fn add_mesh(builder: &mut Builder, mesh: &Mesh, options: &MeshOptions) -> Re
     let good = (0.0..=1.0).contains(&options.roughness);
     SourceError::check("roughness", options.roughness, good, "a number from 0 to 1")?;
     let points = mesh.points.iter().map(|point| (*point, 0.0));
-    let place = placed(builder, options.bounds, || hull(points))?;
+    let place = placed(builder, [options.bounds, options.within], || hull(points))?;
     let joints = if options.body == Body::Sheets { None } else { Some(Joints::of(mesh)) };
     let solid = joints.filter(|joints| joints.is_closed || options.body == Body::Solid);
     let mut voxels = Voxels {

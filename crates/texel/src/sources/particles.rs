@@ -34,12 +34,14 @@ pub struct ParticleOptions {
     pub paint: Paint,
     /// The box that fills the volume, two corners; by default the one around all particles.
     pub bounds: Option<[[f64; 3]; 2]>,
+    /// The part of the volume that this box is fitted into, two corners; by default all but one cell at either end.
+    pub within: Option<[[f64; 3]; 2]>,
 }
 
 impl Default for ParticleOptions {
     /// Radius 0.01, light grey.
     fn default() -> Self {
-        Self { radius: 0.01, roughness: 0.0, paint: Paint::default(), bounds: None }
+        Self { radius: 0.01, roughness: 0.0, paint: Paint::default(), bounds: None, within: None }
     }
 }
 
@@ -59,7 +61,7 @@ pub fn add_particles(
         SourceError::check("radius", radius(particle), radius(particle) >= 0.0, "a number from 0 on")?;
     }
     let balls = particles.iter().map(|particle| (particle.centre, radius(particle)));
-    let place = placed(builder, options.bounds, || hull(balls))?;
+    let place = placed(builder, [options.bounds, options.within], || hull(balls))?;
     let rods: Vec<Rod> = particles
         .iter()
         .map(|particle| Rod {

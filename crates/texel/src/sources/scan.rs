@@ -126,12 +126,14 @@ pub struct ScanOptions {
     pub roughness: f64,
     /// The box that fills the volume, two corners; the first number is at the origin. By default the whole scan.
     pub bounds: Option<[[f64; 3]; 2]>,
+    /// The part of the volume that this box is fitted into, two corners; by default all but one cell at either end.
+    pub within: Option<[[f64; 3]; 2]>,
 }
 
 impl Default for ScanOptions {
     /// Surfaces over four cells, slightly rough.
     fn default() -> Self {
-        Self { transfer: Vec::new(), surface: 4.0, roughness: 0.2, bounds: None }
+        Self { transfer: Vec::new(), surface: 4.0, roughness: 0.2, bounds: None, within: None }
     }
 }
 
@@ -141,7 +143,7 @@ impl Default for ScanOptions {
 /// Options out of their ranges, and more filled cells than [`MAX_CELLS`](super::MAX_CELLS).
 pub fn add_scan(builder: &mut Builder, scan: &Scan, options: &ScanOptions) -> Result<Place, SourceError> {
     let transfer = transfer(scan, options)?;
-    let place = placed(builder, options.bounds, || scan.bounds())?;
+    let place = placed(builder, [options.bounds, options.within], || scan.bounds())?;
     let cell = (place.scale() * f64::from(builder.edge())).recip();
     let step = scan.steps.iter().copied().fold(f64::INFINITY, f64::min);
     let look = Look::new((cell / step).ceil() as usize, options.surface, options.roughness)?;

@@ -32,13 +32,15 @@ pub struct StrandOptions {
     pub paint: Paint,
     /// The box that fills the volume, two corners; by default the one around all strands.
     pub bounds: Option<[[f64; 3]; 2]>,
+    /// The part of the volume that this box is fitted into, two corners; by default all but one cell at either end.
+    pub within: Option<[[f64; 3]; 2]>,
 }
 
 impl Default for StrandOptions {
     /// Radius 0.001, brown.
     fn default() -> Self {
         let paint = Paint { albedo: [0.3, 0.15, 0.07], gloss: 0.5 };
-        Self { radius: 0.001, roughness: 0.1, paint, bounds: None }
+        Self { radius: 0.001, roughness: 0.1, paint, bounds: None, within: None }
     }
 }
 
@@ -60,7 +62,7 @@ pub fn add_strands(
     let balls = strands
         .iter()
         .flat_map(|strand| strand.points.iter().enumerate().map(move |(i, p)| (*p, radius(strand, i))));
-    let place = placed(builder, options.bounds, || hull(balls))?;
+    let place = placed(builder, [options.bounds, options.within], || hull(balls))?;
     let rods: Vec<Rod> = strands
         .iter()
         .flat_map(|strand| (1..strand.points.len()).map(move |i| (strand, [i - 1, i])))

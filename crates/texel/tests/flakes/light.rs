@@ -60,6 +60,20 @@ fn a_slab_scatters_what_the_closed_form_says() {
 }
 
 #[test]
+fn cells_that_hide_nothing_scatter_nothing() {
+    let mut builder = Builder::new(EDGE).unwrap();
+    let grey = [0.5; 3];
+    builder.insert([8, 8, 8], &Texel { density: 0.05, albedo: grey, ..Texel::default() });
+    builder.insert([8, 8, 4], &Texel::even(1000.0, Sggx::ISOTROPIC, 1.0 / 16.0).coloured(grey, 0.0));
+    let volume = builder.build(Mode::Sggx).unwrap();
+    let ray = Ray { origin: DVec3::new(0.53, 0.53, 2.0), direction: -DVec3::Z };
+    let lamp = Lamp::Directional { to_lamp: DVec3::Z, irradiance: DVec3::ONE };
+    let gathered = gather(&volume, &ray, 0.0, &[lamp]);
+    assert!(gathered.radiance.min_element() > 0.01, "{gathered:?}");
+    assert_eq!(gathered.transmittance, 0.0);
+}
+
+#[test]
 fn a_slab_before_its_lamp_scatters_what_passes() {
     // The lamp behind: a homogeneous slab of equal depths both ways has the closed form d e^{−d}.
     let (volume, texel) = slab(1.5, Sggx::ISOTROPIC, 0.0);

@@ -46,7 +46,7 @@ fn cells(volume: &Volume) -> Vec<([u32; 3], Texel)> {
     all.filter_map(|cell| volume.texel(0, cell).map(|texel| (cell, texel))).collect()
 }
 
-const EMPTY: BakeOptions = BakeOptions { roughness: 0.0, inside: Inside::Empty, open: false };
+const EMPTY: BakeOptions = BakeOptions { roughness: 0.0, inside: Inside::Empty, open: false, within: None };
 
 #[test]
 fn a_ball_has_the_projected_area_of_a_disc_from_everywhere() {
