@@ -314,7 +314,7 @@ mod tests {
     /// The recipes of the gallery, in small.
     #[test]
     fn the_gallery_is_built() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/scenes/texels");
         let mut count = 0;
         for entry in std::fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn recipes_of_the_gallery_fit_the_schema() {
         let validator = jsonschema::validator_for(&recipe_schema()).expect("a schema");
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/scenes/texels");
         for entry in std::fs::read_dir(folder).expect("a folder") {
             let text = std::fs::read_to_string(entry.expect("an entry").path()).expect("a text");
             let recipe: Value = toml::from_str(&text).expect("TOML");
