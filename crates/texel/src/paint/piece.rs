@@ -278,63 +278,6 @@ impl Piece {
     }
 }
 
-/// A stretch of a ray.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Stretch {
-    pub(super) start: DVec3,
-    /// Its direction, unit.
-    pub(super) w: DVec3,
-    pub(super) length: f64,
-}
-
-/// What a stretch meets of the union of bodies, and the place of the body in the list.
-pub(super) fn meets(bodies: &[&Body], stretch: Stretch) -> (Meets, usize) {
-    if let [body] = bodies
-        && let Piece::Ellipsoid { seat, radii } = &body.sampled.0
-    {
-        return (meets_ellipsoid(seat, *radii, stretch), 0);
-    }
-    let Stretch { start, w, length } = stretch;
-    let (at_start, first) = distance(bodies, start);
-    if at_start > 0.0 {
-        return march(bodies, stretch, at_start);
-    }
-    // From the inside, the surface is met from the other end.
-    let end = Stretch { start: start + length * w, w: -w, length };
-    let (at_end, _) = distance(bodies, end.start);
-    if at_end <= 0.0 { (Meets::Inside, first) } else { march(bodies, end, at_end) }
-}
-
-/// Steps as long as the way is free, at first by `free`; what comes nearer than a thousandth of the way is touched, so that
-/// there are a thousand steps at most.
-fn march(bodies: &[&Body], Stretch { start, w, length }: Stretch, free: f64) -> (Meets, usize) {
-    let least = 1e-3 * length;
-    let mut t = if free <= least { 0.0 } else { free };
-    while t <= length {
-        let (free, index) = distance(bodies, start + t * w);
-        if free <= least {
-            let leaves = distance(bodies, start + length * w).0 > 0.0;
-            let crossings = if leaves { 2.0 } else { 1.0 };
-            let normal = bodies[index].sampled.0.nearest(start + t * w).normal;
-            return (Meets::Surface { normal, crossings }, index);
-        }
-        t += free;
-    }
-    (Meets::Nothing, 0)
-}
-
-/// How far the nearest of the bodies is, and its place in the list.
-fn distance(bodies: &[&Body], p: DVec3) -> (f64, usize) {
-    let mut best = (f64::INFINITY, 0);
-    for (index, body) in bodies.iter().enumerate() {
-        let distance = body.sampled.0.distance(p);
-        if distance < best.0 {
-            best = (distance, index);
-        }
-    }
-    best
-}
-
 fn placed(seat: &Seat, nearest: Nearest) -> Nearest {
     Nearest { distance: nearest.distance * seat.size, normal: seat.turn * nearest.normal }
 }
@@ -347,26 +290,6 @@ fn ellipsoid(p: DVec3, radii: DVec3) -> Nearest {
     let of_box = (p.abs() - radii).max(DVec3::ZERO);
     let distance = if of_box == DVec3::ZERO { of_ball } else { of_ball.max(of_box.length()) };
     Nearest { distance, normal: (scaled / radii).normalize_or(DVec3::Z) }
-}
-
-fn meets_ellipsoid(seat: &Seat, radii: DVec3, Stretch { start, w, length }: Stretch) -> Meets {
-    let (p, d) = (seat.inside(start) / radii, seat.inverse * w / radii);
-    let (a, b, c) = (d.length_squared(), p.dot(d), p.length_squared() - 1.0);
-    let discriminant = b * b - a * c;
-    if discriminant <= 0.0 {
-        return Meets::Nothing;
-    }
-    let [near, far] = [-1.0, 1.0].map(|sign: f64| (-b + sign * discriminant.sqrt()) / a);
-    if far <= 0.0 || near >= length {
-        return Meets::Nothing;
-    }
-    let (t, crossings) = match (near > 0.0, far < length) {
-        (true, true) => (near, 2.0),
-        (true, false) => (near, 1.0),
-        (false, true) => (far, 1.0),
-        (false, false) => return Meets::Inside,
-    };
-    Meets::Surface { normal: (seat.turn * ((p + t * d) / radii)).normalize_or(DVec3::Z), crossings }
 }
 
 /// In the plane through the axis, the frustum is a polygon of three edges beside the axis.
