@@ -29,7 +29,7 @@ pub(super) struct Seat {
     /// The axes of unit length.
     turn: DMat3,
     /// From directions in the volume to those of the shape.
-    inverse: DMat3,
+    pub(super) inverse: DMat3,
 }
 
 impl From<Frame> for Seat {
@@ -42,7 +42,7 @@ impl From<Frame> for Seat {
 
 impl Seat {
     /// A point in the shape's own coordinates.
-    fn inside(&self, p: DVec3) -> DVec3 {
+    pub(super) fn inside(&self, p: DVec3) -> DVec3 {
         self.inverse * (p - self.frame.origin)
     }
 }
@@ -50,16 +50,16 @@ impl Seat {
 /// A line from one ball to another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rod {
-    ends: [DVec3; 2],
-    radii: [f64; 2],
+    pub(super) ends: [DVec3; 2],
+    pub(super) radii: [f64; 2],
     /// The way along it over its squared length.
-    share: DVec3,
+    pub(super) share: DVec3,
     /// Where the radius changes, the surface is nearer than straight on: by this factor.
     nearer: f64,
 }
 
 impl Rod {
-    fn new(ends: [DVec3; 2], radii: [f64; 2]) -> Self {
+    pub(super) fn new(ends: [DVec3; 2], radii: [f64; 2]) -> Self {
         let along = ends[1] - ends[0];
         let share = along / along.length_squared().max(f64::MIN_POSITIVE);
         let slope = (radii[1] - radii[0]).abs() / along.length().max(f64::MIN_POSITIVE);
@@ -78,22 +78,22 @@ impl Rod {
 /// All points that are no farther from a triangle than `half`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plate {
-    edges: [Edge; 3],
+    pub(super) edges: [Edge; 3],
     /// Unit; 0 for a triangle without an area.
-    normal: DVec3,
-    half: f64,
+    pub(super) normal: DVec3,
+    pub(super) half: f64,
     axis: DVec3,
 }
 
 /// An edge of a triangle.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
-    from: DVec3,
-    along: DVec3,
+pub(super) struct Edge {
+    pub(super) from: DVec3,
+    pub(super) along: DVec3,
     /// The way along it over its squared length.
     share: DVec3,
     /// A direction in the plane of the triangle, to its inside.
-    inward: DVec3,
+    pub(super) inward: DVec3,
 }
 
 impl Plate {
@@ -168,20 +168,6 @@ impl Body {
 pub(super) struct Nearest {
     pub(super) distance: f64,
     pub(super) normal: DVec3,
-}
-
-/// What a stretch of a ray meets.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Meets {
-    Nothing,
-    /// A surface.
-    Surface {
-        normal: DVec3,
-        /// How often the stretch goes through a surface: 1 if one of its ends is inside, else 2, there and back.
-        crossings: f64,
-    },
-    /// The inside all along.
-    Inside,
 }
 
 impl Piece {
@@ -339,6 +325,7 @@ fn cuboid(p: DVec3, half: DVec3) -> Nearest {
 mod tests {
     use super::*;
     use crate::chance::unit;
+    use crate::paint::crossing::{Meets, Stretch, meets};
 
     fn pieces() -> Vec<Piece> {
         let turn = DMat3::from_rotation_x(0.7) * DMat3::from_rotation_z(0.4) * 0.5;
