@@ -192,14 +192,6 @@ impl Piece {
         }
     }
 
-    /// The distance alone.
-    fn distance(&self, p: DVec3) -> f64 {
-        match self {
-            Self::Capsule(rod) => rod.away(p).0,
-            other => other.nearest(p).distance,
-        }
-    }
-
     /// Whether nothing of the body is in a cube, from its centre and half its side, also if a rod is widened by `slack`. It may
     /// say no where it is so.
     pub(super) fn misses(&self, centre: DVec3, half: f64, slack: f64) -> bool {
@@ -211,7 +203,35 @@ impl Piece {
                 let gap = (across.dot(p) - (across * *radii).length()) * seat.size;
                 gap > half * (seat.turn * across).abs().element_sum() + 1e-3 * slack
             }
-            other => other.distance(centre) > half * 3f64.sqrt() + slack,
+            other => {
+                let away = other.nearest(centre).normal;
+                let slack = if matches!(other, Self::Capsule(_)) { slack } else { 1e-3 * slack };
+                away.dot(centre) - other.reach(away) > half * away.abs().element_sum() + slack
+            }
+        }
+    }
+
+    /// How far the body, or something around it, reaches in a unit direction.
+    fn reach(&self, w: DVec3) -> f64 {
+        let seated = |seat: &Seat, of: fn(DVec3, DVec3) -> f64, sizes: DVec3| {
+            w.dot(seat.frame.origin) + seat.size * of(seat.turn.transpose() * w, sizes)
+        };
+        match self {
+            Self::Ellipsoid { seat, radii } => seated(seat, |w, radii| (w * radii).length(), *radii),
+            Self::Box { seat, half } => seated(seat, |w, half| w.abs().dot(half), *half),
+            Self::Frustum { seat, radii, height } => {
+                let rims = |w: DVec3, sizes: DVec3| {
+                    let across = w.truncate().length();
+                    (across * sizes.x).max(across * sizes.y + w.z * sizes.z)
+                };
+                seated(seat, rims, DVec3::new(radii[0], radii[1], *height))
+            }
+            Self::Capsule(Rod { ends: [a, b], radii: [start, end], .. }) => {
+                (w.dot(*a) + start).max(w.dot(*b) + end)
+            }
+            Self::Plate(Plate { edges, half, .. }) => {
+                edges.iter().map(|edge| w.dot(edge.from)).fold(f64::NEG_INFINITY, f64::max) + half
+            }
         }
     }
 
