@@ -21,7 +21,7 @@ fn main() -> io::Result<()> {
     for count in [60, 160] {
         fs::write(folder.join(format!("points-{count}.csv")), points(count))?;
     }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels/data");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/scenes/texels/data");
     fs::create_dir_all(&folder)?;
     fs::write(folder.join("head.nrrd"), head()?)?;
     fs::write(folder.join("crystal.obj"), crystal())?;

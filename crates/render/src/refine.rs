@@ -51,6 +51,9 @@ pub(crate) fn needs(film: &Film, noisy: &[bool]) -> Vec<Need> {
     needs
 }
 
+/// The contrast of an edge inside of a volume, whose cells are filtered: a pixel is nearer to its mean with one sample.
+const VOLUME_CONTRAST: f64 = 0.3;
+
 /// Whether an edge runs between two neighbours: of a solid, a part, a crease, or light, mirrored and refracted light too.
 fn differ(a: &Pixel, b: &Pixel) -> bool {
     if a.part != b.part {
@@ -64,9 +67,10 @@ fn differ(a: &Pixel, b: &Pixel) -> bool {
     let normals: f32 = a.normal.iter().zip(b.normal).map(|(p, q)| p * q).sum();
     let crease = a.part >= 0.0 && has_normal && normals < 0.9;
     let cover = (a.alpha - b.alpha).abs() > 0.15;
+    let contrast = if a.part >= 0.0 && !has_normal { VOLUME_CONTRAST } else { 0.15 };
     let (a, b) = (colour(a), colour(b));
     let brightest = a.max(b) + glam::DVec3::splat(0.02);
-    crease || cover || ((a - b).abs() / brightest).max_element() > 0.15
+    crease || cover || ((a - b).abs() / brightest).max_element() > contrast
 }
 
 /// Takes more samples of pixels.

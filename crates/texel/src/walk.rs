@@ -175,6 +175,8 @@ struct Walk<'v> {
     cursor: Cursor<'v>,
     origin: DVec3,
     direction: DVec3,
+    /// 1 / `direction`, of each component.
+    pace: DVec3,
     t: f64,
     end: f64,
     /// The finest cell, and the level of the greatest cell around it in which nothing changes.
@@ -191,6 +193,7 @@ impl<'v> Walk<'v> {
             cursor: Cursor::new(volume),
             origin,
             direction,
+            pace: direction.recip(),
             t: span.0,
             end: span.1,
             cell: [0; 3],
@@ -284,7 +287,7 @@ impl<'v> Walk<'v> {
             let d = self.direction[axis];
             if d != 0.0 {
                 let face = if d > 0.0 { low + size } else { low };
-                let t = (f64::from(face) - self.origin[axis]) / d;
+                let t = (f64::from(face) - self.origin[axis]) * self.pace[axis];
                 if t < exit.0 {
                     exit = (t, axis);
                 }

@@ -355,7 +355,7 @@ mod tests {
     /// The recipes of the gallery, in small.
     #[test]
     fn the_gallery_is_built() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/scenes/texels");
         let mut count = 0;
         for entry in std::fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();
@@ -393,7 +393,7 @@ mod tests {
         let mut kinds = String::new();
         for text in &recipes {
             let source = Source::new("docs/texels.md", text);
-            let recipe = Recipe::parse(source, &root.join("gallery/texels"), &FileAccess::default());
+            let recipe = Recipe::parse(source, &root.join("gallery/scenes/texels"), &FileAccess::default());
             let recipe =
                 recipe.unwrap_or_else(|error| panic!("{error}")).with_edge(16).expect("a power of two");
             let filled = recipe.build().expect("few cells").size().filled;
@@ -441,7 +441,7 @@ mod tests {
     #[test]
     fn recipes_of_the_gallery_fit_the_schema() {
         let validator = jsonschema::validator_for(&recipe_schema()).expect("a schema");
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/texels");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../gallery/scenes/texels");
         for entry in std::fs::read_dir(folder).expect("a folder") {
             let path = entry.expect("an entry").path();
             if path.is_dir() {

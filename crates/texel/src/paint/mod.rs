@@ -10,6 +10,7 @@
 //! The inside of an opaque shape stops all light and holds no surface. It has the normals of the nearest one, by which
 //! the rules of 1995 join it; those of SGGX count surfaces alone.
 
+mod crossing;
 mod piece;
 mod scatter;
 mod shape;
@@ -21,8 +22,9 @@ pub use shape::Form;
 use crate::chance::{hash, normal};
 use crate::texel::MAX_DEPTH;
 use crate::{Builder, Sggx, Texel, morton};
+use crossing::{Meets, Stretch, meets};
 use glam::{DMat3, DVec3};
-use piece::{Body, Meets, Nearest, Piece, Stretch, meets};
+use piece::{Body, Nearest, Piece};
 use rayon::prelude::*;
 
 /// A shape at its place.
@@ -270,17 +272,18 @@ impl Brush<'_> {
         let width = self.cell_width();
         let centre = low + 0.5 * width;
         let (nearest, axis) = nearest(centre, bodies);
+        let stray = self.stray(cell);
         if nearest.distance <= -0.5 * 3f64.sqrt() * width {
-            let flakes = self.flakes(cell, centre, nearest.normal, axis);
+            let flakes = self.flakes(stray, centre, nearest.normal, axis);
             return Some(self.filled([1.0; 3], Sggx::from_matrix(flakes).normalised(), 0.0));
         }
-        let mut hits = Hits { stopped: [0.0; 3], flakes: DMat3::ZERO, area: 0.0 };
+        let mut hits = Hits { stray, stopped: [0.0; 3], flakes: DMat3::ZERO, area: 0.0 };
         for axis in 0..3 {
             let w = DVec3::AXES[axis];
             for ray in 0..RAYS * RAYS {
                 let start = low + width * self.ray_start(cell, axis, ray);
                 let ray = Stretch { start, w, length: width };
-                hits.stopped[axis] += self.follow(cell, bodies, ray, &mut hits);
+                hits.stopped[axis] += self.follow(bodies, ray, &mut hits);
             }
         }
         let rays = f64::from(RAYS * RAYS);
@@ -289,7 +292,7 @@ impl Brush<'_> {
             return None;
         }
         let flakes = if hits.flakes == DMat3::ZERO {
-            Sggx::from_matrix(self.flakes(cell, centre, nearest.normal, axis)).normalised()
+            Sggx::from_matrix(self.flakes(stray, centre, nearest.normal, axis)).normalised()
         } else {
             Sggx::from_matrix(hits.flakes).normalised()
         };
@@ -304,7 +307,7 @@ impl Brush<'_> {
     }
 
     /// The share of a ray that is stopped; adds the surfaces that it meets.
-    fn follow(&self, cell: [u32; 3], bodies: &[&Body], ray: Stretch, hits: &mut Hits) -> f64 {
+    fn follow(&self, bodies: &[&Body], ray: Stretch, hits: &mut Hits) -> f64 {
         let (met, index) = meets(bodies, ray);
         let (piece, share) = &bodies[index].sampled;
         match met {
@@ -312,7 +315,7 @@ impl Brush<'_> {
             Meets::Inside => {}
             Meets::Surface { normal, crossings } => {
                 let weight = share / normal.abs().element_sum();
-                hits.flakes += self.flakes(cell, ray.start, normal, piece.axis()) * weight;
+                hits.flakes += self.flakes(hits.stray, ray.start, normal, piece.axis()) * weight;
                 hits.area += crossings * weight;
             }
         }
@@ -348,7 +351,7 @@ impl Brush<'_> {
         }
         let share = inside as f64 / f64::from(RAYS.pow(3));
         let (Nearest { normal, .. }, axis) = nearest(centre, bodies);
-        let flakes = Sggx::from_matrix(self.flakes(cell, centre, normal, axis));
+        let flakes = Sggx::from_matrix(self.flakes(self.stray(cell), centre, normal, axis));
         let density = self.solid.material.density.unwrap_or(0.0) * share;
         Some(self.coloured(Texel::even(density as f32, flakes, width)))
     }
@@ -357,16 +360,22 @@ impl Brush<'_> {
         texel.coloured(self.solid.material.albedo, self.solid.material.gloss)
     }
 
+    /// By how much normals stray in a cell.
+    fn stray(&self, cell: [u32; 3]) -> DVec3 {
+        let variation = self.solid.material.variation;
+        if variation == 0.0 {
+            return DVec3::ZERO;
+        }
+        let [x, y, z] = cell.map(u64::from);
+        let part = |k: u64| normal(self.solid.seed, &[9, x, y, z, k]);
+        variation * DVec3::new(part(0), part(1), part(2))
+    }
+
     /// S at a place with this normal, on a body with this axis; the mean projected area is the same at all places.
-    fn flakes(&self, cell: [u32; 3], p: DVec3, normal: DVec3, axis: DVec3) -> DMat3 {
-        let Material { roughness, variation, flakes, .. } = self.solid.material;
+    fn flakes(&self, stray: DVec3, p: DVec3, normal: DVec3, axis: DVec3) -> DMat3 {
+        let Material { roughness, flakes, .. } = self.solid.material;
         let strayed = |direction: DVec3| {
-            if variation == 0.0 {
-                return direction;
-            }
-            let [x, y, z] = cell.map(u64::from);
-            let part = |k: u64| normal_by_chance(self.solid.seed, [x, y, z, k]);
-            (direction + variation * DVec3::new(part(0), part(1), part(2))).normalize_or(direction)
+            if stray == DVec3::ZERO { direction } else { (direction + stray).normalize_or(direction) }
         };
         let up = self.solid.frame.axes.z_axis.normalize_or(DVec3::Z);
         let from_axis = p - self.solid.frame.origin;
@@ -403,12 +412,10 @@ fn nearest(p: DVec3, bodies: &[&Body]) -> (Nearest, DVec3) {
 
 /// What the rays of a cell met.
 struct Hits {
+    /// By how much normals stray in the cell.
+    stray: DVec3,
     stopped: [f64; 3],
     flakes: DMat3,
     /// The area of surfaces, in units of the cell's face, times the rays along an axis.
     area: f64,
-}
-
-fn normal_by_chance(seed: u64, [x, y, z, part]: [u64; 4]) -> f64 {
-    normal(seed, &[9, x, y, z, part])
 }

@@ -29,7 +29,7 @@ pub(super) struct Seat {
     /// The axes of unit length.
     turn: DMat3,
     /// From directions in the volume to those of the shape.
-    inverse: DMat3,
+    pub(super) inverse: DMat3,
 }
 
 impl From<Frame> for Seat {
@@ -42,7 +42,7 @@ impl From<Frame> for Seat {
 
 impl Seat {
     /// A point in the shape's own coordinates.
-    fn inside(&self, p: DVec3) -> DVec3 {
+    pub(super) fn inside(&self, p: DVec3) -> DVec3 {
         self.inverse * (p - self.frame.origin)
     }
 }
@@ -50,16 +50,16 @@ impl Seat {
 /// A line from one ball to another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rod {
-    ends: [DVec3; 2],
-    radii: [f64; 2],
+    pub(super) ends: [DVec3; 2],
+    pub(super) radii: [f64; 2],
     /// The way along it over its squared length.
-    share: DVec3,
+    pub(super) share: DVec3,
     /// Where the radius changes, the surface is nearer than straight on: by this factor.
     nearer: f64,
 }
 
 impl Rod {
-    fn new(ends: [DVec3; 2], radii: [f64; 2]) -> Self {
+    pub(super) fn new(ends: [DVec3; 2], radii: [f64; 2]) -> Self {
         let along = ends[1] - ends[0];
         let share = along / along.length_squared().max(f64::MIN_POSITIVE);
         let slope = (radii[1] - radii[0]).abs() / along.length().max(f64::MIN_POSITIVE);
@@ -78,22 +78,22 @@ impl Rod {
 /// All points that are no farther from a triangle than `half`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plate {
-    edges: [Edge; 3],
+    pub(super) edges: [Edge; 3],
     /// Unit; 0 for a triangle without an area.
-    normal: DVec3,
-    half: f64,
+    pub(super) normal: DVec3,
+    pub(super) half: f64,
     axis: DVec3,
 }
 
 /// An edge of a triangle.
 #[derive(Clone, Copy, Debug)]
-struct Edge {
-    from: DVec3,
-    along: DVec3,
+pub(super) struct Edge {
+    pub(super) from: DVec3,
+    pub(super) along: DVec3,
     /// The way along it over its squared length.
     share: DVec3,
     /// A direction in the plane of the triangle, to its inside.
-    inward: DVec3,
+    pub(super) inward: DVec3,
 }
 
 impl Plate {
@@ -170,20 +170,6 @@ pub(super) struct Nearest {
     pub(super) normal: DVec3,
 }
 
-/// What a stretch of a ray meets.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Meets {
-    Nothing,
-    /// A surface.
-    Surface {
-        normal: DVec3,
-        /// How often the stretch goes through a surface: 1 if one of its ends is inside, else 2, there and back.
-        crossings: f64,
-    },
-    /// The inside all along.
-    Inside,
-}
-
 impl Piece {
     pub(super) fn capsule(ends: [DVec3; 2], radii: [f64; 2]) -> Self {
         Self::Capsule(Rod::new(ends, radii))
@@ -206,14 +192,6 @@ impl Piece {
         }
     }
 
-    /// The distance alone.
-    fn distance(&self, p: DVec3) -> f64 {
-        match self {
-            Self::Capsule(rod) => rod.away(p).0,
-            other => other.nearest(p).distance,
-        }
-    }
-
     /// Whether nothing of the body is in a cube, from its centre and half its side, also if a rod is widened by `slack`. It may
     /// say no where it is so.
     pub(super) fn misses(&self, centre: DVec3, half: f64, slack: f64) -> bool {
@@ -225,7 +203,35 @@ impl Piece {
                 let gap = (across.dot(p) - (across * *radii).length()) * seat.size;
                 gap > half * (seat.turn * across).abs().element_sum() + 1e-3 * slack
             }
-            other => other.distance(centre) > half * 3f64.sqrt() + slack,
+            other => {
+                let away = other.nearest(centre).normal;
+                let slack = if matches!(other, Self::Capsule(_)) { slack } else { 1e-3 * slack };
+                away.dot(centre) - other.reach(away) > half * away.abs().element_sum() + slack
+            }
+        }
+    }
+
+    /// How far the body, or something around it, reaches in a unit direction.
+    fn reach(&self, w: DVec3) -> f64 {
+        let seated = |seat: &Seat, of: fn(DVec3, DVec3) -> f64, sizes: DVec3| {
+            w.dot(seat.frame.origin) + seat.size * of(seat.turn.transpose() * w, sizes)
+        };
+        match self {
+            Self::Ellipsoid { seat, radii } => seated(seat, |w, radii| (w * radii).length(), *radii),
+            Self::Box { seat, half } => seated(seat, |w, half| w.abs().dot(half), *half),
+            Self::Frustum { seat, radii, height } => {
+                let rims = |w: DVec3, sizes: DVec3| {
+                    let across = w.truncate().length();
+                    (across * sizes.x).max(across * sizes.y + w.z * sizes.z)
+                };
+                seated(seat, rims, DVec3::new(radii[0], radii[1], *height))
+            }
+            Self::Capsule(Rod { ends: [a, b], radii: [start, end], .. }) => {
+                (w.dot(*a) + start).max(w.dot(*b) + end)
+            }
+            Self::Plate(Plate { edges, half, .. }) => {
+                edges.iter().map(|edge| w.dot(edge.from)).fold(f64::NEG_INFINITY, f64::max) + half
+            }
         }
     }
 
@@ -278,63 +284,6 @@ impl Piece {
     }
 }
 
-/// A stretch of a ray.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Stretch {
-    pub(super) start: DVec3,
-    /// Its direction, unit.
-    pub(super) w: DVec3,
-    pub(super) length: f64,
-}
-
-/// What a stretch meets of the union of bodies, and the place of the body in the list.
-pub(super) fn meets(bodies: &[&Body], stretch: Stretch) -> (Meets, usize) {
-    if let [body] = bodies
-        && let Piece::Ellipsoid { seat, radii } = &body.sampled.0
-    {
-        return (meets_ellipsoid(seat, *radii, stretch), 0);
-    }
-    let Stretch { start, w, length } = stretch;
-    let (at_start, first) = distance(bodies, start);
-    if at_start > 0.0 {
-        return march(bodies, stretch, at_start);
-    }
-    // From the inside, the surface is met from the other end.
-    let end = Stretch { start: start + length * w, w: -w, length };
-    let (at_end, _) = distance(bodies, end.start);
-    if at_end <= 0.0 { (Meets::Inside, first) } else { march(bodies, end, at_end) }
-}
-
-/// Steps as long as the way is free, at first by `free`; what comes nearer than a thousandth of the way is touched, so that
-/// there are a thousand steps at most.
-fn march(bodies: &[&Body], Stretch { start, w, length }: Stretch, free: f64) -> (Meets, usize) {
-    let least = 1e-3 * length;
-    let mut t = if free <= least { 0.0 } else { free };
-    while t <= length {
-        let (free, index) = distance(bodies, start + t * w);
-        if free <= least {
-            let leaves = distance(bodies, start + length * w).0 > 0.0;
-            let crossings = if leaves { 2.0 } else { 1.0 };
-            let normal = bodies[index].sampled.0.nearest(start + t * w).normal;
-            return (Meets::Surface { normal, crossings }, index);
-        }
-        t += free;
-    }
-    (Meets::Nothing, 0)
-}
-
-/// How far the nearest of the bodies is, and its place in the list.
-fn distance(bodies: &[&Body], p: DVec3) -> (f64, usize) {
-    let mut best = (f64::INFINITY, 0);
-    for (index, body) in bodies.iter().enumerate() {
-        let distance = body.sampled.0.distance(p);
-        if distance < best.0 {
-            best = (distance, index);
-        }
-    }
-    best
-}
-
 fn placed(seat: &Seat, nearest: Nearest) -> Nearest {
     Nearest { distance: nearest.distance * seat.size, normal: seat.turn * nearest.normal }
 }
@@ -347,26 +296,6 @@ fn ellipsoid(p: DVec3, radii: DVec3) -> Nearest {
     let of_box = (p.abs() - radii).max(DVec3::ZERO);
     let distance = if of_box == DVec3::ZERO { of_ball } else { of_ball.max(of_box.length()) };
     Nearest { distance, normal: (scaled / radii).normalize_or(DVec3::Z) }
-}
-
-fn meets_ellipsoid(seat: &Seat, radii: DVec3, Stretch { start, w, length }: Stretch) -> Meets {
-    let (p, d) = (seat.inside(start) / radii, seat.inverse * w / radii);
-    let (a, b, c) = (d.length_squared(), p.dot(d), p.length_squared() - 1.0);
-    let discriminant = b * b - a * c;
-    if discriminant <= 0.0 {
-        return Meets::Nothing;
-    }
-    let [near, far] = [-1.0, 1.0].map(|sign: f64| (-b + sign * discriminant.sqrt()) / a);
-    if far <= 0.0 || near >= length {
-        return Meets::Nothing;
-    }
-    let (t, crossings) = match (near > 0.0, far < length) {
-        (true, true) => (near, 2.0),
-        (true, false) => (near, 1.0),
-        (false, true) => (far, 1.0),
-        (false, false) => return Meets::Inside,
-    };
-    Meets::Surface { normal: (seat.turn * ((p + t * d) / radii)).normalize_or(DVec3::Z), crossings }
 }
 
 /// In the plane through the axis, the frustum is a polygon of three edges beside the axis.
@@ -416,6 +345,7 @@ fn cuboid(p: DVec3, half: DVec3) -> Nearest {
 mod tests {
     use super::*;
     use crate::chance::unit;
+    use crate::paint::crossing::{Meets, Stretch, meets};
 
     fn pieces() -> Vec<Piece> {
         let turn = DMat3::from_rotation_x(0.7) * DMat3::from_rotation_z(0.4) * 0.5;
