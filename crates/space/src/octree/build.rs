@@ -32,6 +32,8 @@ pub(super) struct Builder {
 
 /// Some of the 64 cells of a node, by their numbers.
 type Numbers = Vec<u32>;
+/// An operand and the cells that it matters to.
+type Users<'p> = (&'p Arc<Operand>, Vec<usize>);
 
 impl Builder {
     /// The cells of an open cell.
@@ -134,7 +136,7 @@ impl Builder {
     ) -> Vec<Shape> {
         let combination = |i: usize| programs[i].parts.as_ref();
         // Each operand is evaluated in all cells that it matters to at once.
-        let mut users: FxHashMap<*const Operand, (&Arc<Operand>, Vec<usize>)> = FxHashMap::default();
+        let mut users: FxHashMap<*const Operand, Users<'_>> = FxHashMap::default();
         for i in 0..open.len() {
             for operand in combination(i).into_iter().flat_map(|(operands, _)| operands) {
                 users.entry(Arc::as_ptr(operand)).or_insert((operand, Vec::new())).1.push(i);
