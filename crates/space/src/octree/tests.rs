@@ -323,7 +323,7 @@ fn points_of_a_plane_are_inside_where_the_field_is_negative() {
     }
 }
 
-/// A ball and a cube apart from each other, and a parameter that moves the ball.
+/// Two balls apart from each other, and a parameter that moves one.
 fn moving() -> Field {
     let mut graph = Graph::new();
     let [x, y, z] = [0, 1, 2].map(|k| graph.input(Input::Coordinate(k)));
@@ -336,11 +336,11 @@ fn moving() -> Field {
     let sum = graph.add(sum, squares[2]);
     let ball = graph.sub(sum, half);
     let beside = graph.add(x, one);
-    let sides = [beside, y, z].map(|n| graph.abs(n));
-    let sides = sides.map(|n| graph.sub(n, half));
-    let cube = graph.max(sides[0], sides[1]);
-    let cube = graph.max(cube, sides[2]);
-    let value = graph.min(ball, cube);
+    let others = [beside, y, z].map(|n| graph.square(n));
+    let sum = graph.add(others[0], others[1]);
+    let sum = graph.add(sum, others[2]);
+    let still = graph.sub(sum, half);
+    let value = graph.min(ball, still);
     Field::new(graph, value, Vec::new())
 }
 
@@ -360,7 +360,7 @@ fn a_tree_with_another_parameter_finds_the_same_as_a_new_one() {
     let (found, expected) = (walk(&again, &rays, &settings), walk(&new(0.3), &rays, &settings));
     assert_eq!(format!("{found:?}"), format!("{expected:?}"));
     assert_ne!(format!("{found:?}"), format!("{before:?}"));
-    // The cells around the cube are the old ones.
+    // The cells around the other ball are the old ones.
     let (fresh, shared) = (new(0.3), again.census());
     walk(&fresh, &rays, &settings);
     assert!(shared.bytes < 3 * fresh.census().bytes / 4, "{shared:?} {:?}", fresh.census());
