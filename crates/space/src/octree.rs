@@ -6,11 +6,15 @@
 //! over), *inside* (negative all over) or *open*, and for these the program is shortened to what the cell leaves
 //! undecided (Duff 1992; Keeter 2020).
 //!
-//! For open cells the slopes of the field are bounded, too ([`Gradients`]). Together with the value at the centre they
-//! enclose the field between two planes (the mean-value form, Moore 1966): a [`Facet`]. Where all slopes lie close
-//! together a cell is not divided any further. For most rays through such a cell the facet alone decides: they pass
-//! it, or the field is monotone along them, so that there is exactly one root, between two places that are known before
-//! anything has been evaluated. Only rays that graze a facet, and those in cells without one, are marched.
+//! In open cells the set operations with which the program ends are taken apart into their operands, its [`pieces`]. The
+//! slopes of each are bounded, too ([`Gradients`]). Together with the value at the centre they enclose it between two planes
+//! (the mean-value form, Moore 1966): a [`Facet`]. Where the slopes of every piece lie close together a cell is not divided
+//! any further. For most rays through such a cell the facets alone decide ([`settle`]): they pass it, or a single piece
+//! changes its sign and is monotone along them, so that there is exactly one root, between two places that are known before
+//! anything has been evaluated. Only rays that graze a facet, meet an edge or cross cells without facets are marched.
+//!
+//! With a changed parameter a tree takes over the nodes below cells whose programs do not read it and came out the same
+//! ([`Octree::rebound`]).
 
 mod build;
 mod facet;
