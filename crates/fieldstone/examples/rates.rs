@@ -7,6 +7,8 @@
 //! Two rates for each: first hits and normals with the octree kept from frame to frame, and whole pictures with one sample, light
 //! and bounces, for which everything is prepared anew. Medians, with all cores.
 
+#![allow(clippy::print_stdout, reason = "it prints a table")]
+
 use fieldstone::glam::{DMat3, DVec3};
 use fieldstone::{Camera, Document, FileAccess, RenderOptions, Scene, SceneRequest, Viewer, render};
 use std::error::Error;
